@@ -1,0 +1,151 @@
+//! An open device and what it can do.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use naga::valid::Capabilities;
+use volgraph_graph::Limits;
+use wgpu::{Device, DeviceDescriptor, Features, Queue};
+
+use crate::adapter::{AdapterChoice, AdapterSummary, choose, instance};
+use crate::error::GpuError;
+
+/// A device and its queue.
+#[derive(Debug)]
+pub struct Gpu {
+    pub(crate) device: Device,
+    pub(crate) queue: Queue,
+    summary: AdapterSummary,
+    /// What the device said outside of any error scope, and whether it is lost.
+    faults: Arc<Faults>,
+}
+
+#[derive(Debug, Default)]
+struct Faults {
+    lost: Mutex<Option<String>>,
+    error: Mutex<Option<String>>,
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Gpu {
+    /// Opens the adapter of that choice, with all of its limits and those optional features that volgraph uses.
+    ///
+    /// # Errors
+    /// [`GpuError::NoAdapter`], which says what to install, and [`GpuError::NoDevice`].
+    pub fn open(choice: &AdapterChoice) -> Result<Self, GpuError> {
+        let instance = instance();
+        let (summary, adapter) = choose(&instance, choice)?;
+        let wanted = Features::FLOAT32_FILTERABLE
+            | Features::TIMESTAMP_QUERY
+            | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
+            | Features::TEXTURE_FORMAT_16BIT_NORM;
+        let descriptor = DeviceDescriptor {
+            label: Some("volgraph"),
+            required_features: adapter.features() & wanted,
+            required_limits: adapter.limits(),
+            ..Default::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).map_err(|error| {
+            GpuError::NoDevice { adapter: summary.to_string(), reason: error.to_string() }
+        })?;
+        let faults = Arc::new(Faults::default());
+        let lost = Arc::clone(&faults);
+        device.set_device_lost_callback(move |reason, message| {
+            *locked(&lost.lost) = Some(format!("{reason:?} {message}"));
+        });
+        let uncaptured = Arc::clone(&faults);
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            locked(&uncaptured.error).get_or_insert_with(|| error.to_string());
+        }));
+        Ok(Self { device, queue, summary, faults })
+    }
+
+    /// The adapter.
+    #[must_use]
+    pub fn adapter(&self) -> &AdapterSummary {
+        &self.summary
+    }
+
+    /// What plans for this device may ask for.
+    #[must_use]
+    pub fn limits(&self) -> Limits {
+        let limits = self.device.limits();
+        let features = self.device.features();
+        Limits {
+            max_texture_1d: u64::from(limits.max_texture_dimension_1d),
+            max_texture_2d: u64::from(limits.max_texture_dimension_2d),
+            max_texture_3d: u64::from(limits.max_texture_dimension_3d),
+            max_buffer_bytes: limits.max_buffer_size,
+            max_workgroups: limits.max_compute_workgroups_per_dimension,
+            float32_filterable: features.contains(Features::FLOAT32_FILTERABLE),
+            norm16: features.contains(Features::TEXTURE_FORMAT_16BIT_NORM),
+            ..Limits::default()
+        }
+    }
+
+    /// What shaders for this device may use.
+    #[must_use]
+    pub fn capabilities(&self) -> Capabilities {
+        let mut capabilities = Capabilities::default();
+        if self.device.features().contains(Features::TEXTURE_FORMAT_16BIT_NORM) {
+            capabilities |= Capabilities::STORAGE_TEXTURE_16BIT_NORM_FORMATS;
+        }
+        capabilities
+    }
+
+    /// Whether command encoders can write timestamps.
+    #[must_use]
+    pub(crate) fn has_timestamps(&self) -> bool {
+        let needed = Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
+        self.device.features().contains(needed)
+    }
+
+    /// What went wrong since the last call, if anything.
+    pub(crate) fn take_fault(&self, what: &str) -> Result<(), GpuError> {
+        if let Some(reason) = locked(&self.faults.lost).clone() {
+            return Err(GpuError::Lost(reason));
+        }
+        match locked(&self.faults.error).take() {
+            Some(reason) => Err(GpuError::Device { what: what.to_owned(), reason }),
+            None => Ok(()),
+        }
+    }
+
+    /// Runs `work` and gives what the device refused in it as an error.
+    pub(crate) fn scoped<T>(
+        &self,
+        what: &str,
+        held_bytes: u64,
+        work: impl FnOnce() -> T,
+    ) -> Result<T, GpuError> {
+        let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let internal = self.device.push_error_scope(wgpu::ErrorFilter::Internal);
+        let value = work();
+        let internal = pollster::block_on(internal.pop());
+        let validation = pollster::block_on(validation.pop());
+        let memory = pollster::block_on(memory.pop());
+        if memory.is_some() {
+            return Err(GpuError::OutOfMemory { what: what.to_owned(), bytes: held_bytes });
+        }
+        match validation.or(internal) {
+            Some(error) => Err(GpuError::Device { what: what.to_owned(), reason: error.to_string() }),
+            None => Ok(value),
+        }
+    }
+
+    /// Waits until everything submitted is done.
+    ///
+    /// # Errors
+    /// [`GpuError::Lost`] and what the device refused.
+    pub fn wait(&self) -> Result<(), GpuError> {
+        let polled = self.device.poll(wgpu::PollType::wait_indefinitely());
+        self.take_fault("waiting for the device")?;
+        match polled {
+            Ok(_) => Ok(()),
+            Err(error) => Err(GpuError::Device { what: "waiting for the device".to_owned(), reason: error.to_string() }),
+        }
+    }
+}

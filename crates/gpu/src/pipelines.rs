@@ -1,0 +1,219 @@
+//! Pipelines by everything that they depend on, built once and kept.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use volgraph_graph::{Digest, Mesh, Pass, Program};
+use volgraph_report::{Finding, Findings};
+use volgraph_shader::Binding;
+use wgpu::{
+    BindGroupLayout, BindGroupLayoutDescriptor, ColorTargetState, ColorWrites, ComputePipeline,
+    ComputePipelineDescriptor, Face, FragmentState, FrontFace, PipelineCompilationOptions, PipelineLayout,
+    PipelineLayoutDescriptor, PrimitiveState, PrimitiveTopology, RenderPipeline, RenderPipelineDescriptor,
+    ShaderModule, ShaderModuleDescriptor, ShaderSource, ShaderStages, TextureFormat, VertexAttribute,
+    VertexBufferLayout, VertexFormat, VertexState, VertexStepMode,
+};
+
+use crate::bindings::layout_entry;
+use crate::device::Gpu;
+use crate::error::GpuError;
+
+/// Everything that makes two pipelines different. `override` values go by their bits.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct PipelineKey {
+    module: Digest,
+    entries: Vec<&'static str>,
+    targets: Vec<String>,
+    has_mesh: bool,
+    back_faces_only: bool,
+    constants: Vec<(String, u64)>,
+}
+
+/// A pipeline, its bind group layouts by group, and the bindings that its entry points use.
+#[derive(Debug)]
+pub(crate) struct Pipeline {
+    pub kind: PipelineKind,
+    pub groups: BTreeMap<u32, (BindGroupLayout, Vec<Binding>)>,
+}
+
+#[derive(Debug)]
+pub(crate) enum PipelineKind {
+    Compute(ComputePipeline),
+    Render(RenderPipeline),
+}
+
+/// All pipelines built so far.
+#[derive(Debug, Default)]
+pub(crate) struct Pipelines {
+    modules: BTreeMap<Digest, Arc<ShaderModule>>,
+    built: BTreeMap<PipelineKey, Arc<Pipeline>>,
+}
+
+impl Pipelines {
+    /// How many there are.
+    pub(crate) fn len(&self) -> usize {
+        self.built.len()
+    }
+
+    /// The pipeline of a pass; `None` for passes that need none. `formats` are those of the draw targets.
+    pub(crate) fn get(
+        &mut self,
+        gpu: &Gpu,
+        program: &Program,
+        pass: &Pass,
+        formats: &[TextureFormat],
+    ) -> Result<Option<Arc<Pipeline>>, GpuError> {
+        let Some(key) = key(program, pass, formats) else { return Ok(None) };
+        if let Some(pipeline) = self.built.get(&key) {
+            return Ok(Some(Arc::clone(pipeline)));
+        }
+        let what = format!("building `{}`", key.entries.join("` and `"));
+        let module = match self.modules.get(&key.module) {
+            Some(module) => Arc::clone(module),
+            None => {
+                let source = ShaderSource::Naga(Cow::Owned(program.module.naga.clone()));
+                let descriptor = ShaderModuleDescriptor { label: Some(program.spec.root), source };
+                let module = gpu.scoped(&what, 0, || Arc::new(gpu.device.create_shader_module(descriptor)))?;
+                self.modules.insert(key.module, Arc::clone(&module));
+                module
+            }
+        };
+        let groups = groups(gpu, program, &key, &what)?;
+        let kind = gpu.scoped(&what, 0, || build(gpu, &module, &key, formats, &groups))?;
+        let pipeline = Arc::new(Pipeline { kind, groups });
+        self.built.insert(key, Arc::clone(&pipeline));
+        Ok(Some(pipeline))
+    }
+}
+
+fn key(program: &Program, pass: &Pass, formats: &[TextureFormat]) -> Option<PipelineKey> {
+    let (entries, mesh, constants) = match pass {
+        Pass::Compute { entry, constants, .. } => (vec![*entry], None, constants),
+        Pass::Draw { vertex, fragment, mesh, constants, .. } => (vec![*vertex, *fragment], Some(*mesh), constants),
+        Pass::Upload { .. } | Pass::Copy { .. } | Pass::Clear { .. } => return None,
+    };
+    Some(PipelineKey {
+        module: program.module.linked.digest,
+        entries,
+        targets: formats.iter().map(|format| format!("{format:?}")).collect(),
+        has_mesh: matches!(mesh, Some(Mesh::Input { .. })),
+        back_faces_only: matches!(mesh, Some(Mesh::Input { back_faces_only: true, .. })),
+        constants: constants.iter().map(|(name, value)| (name.clone(), value.to_bits())).collect(),
+    })
+}
+
+fn groups(
+    gpu: &Gpu,
+    program: &Program,
+    key: &PipelineKey,
+    what: &str,
+) -> Result<BTreeMap<u32, (BindGroupLayout, Vec<Binding>)>, GpuError> {
+    let stages: &[ShaderStages] =
+        if key.entries.len() == 1 { &[ShaderStages::COMPUTE] } else { &[ShaderStages::VERTEX, ShaderStages::FRAGMENT] };
+    let mut used: BTreeMap<(u32, u32), (Binding, ShaderStages)> = BTreeMap::new();
+    for (entry, stage) in key.entries.iter().zip(stages) {
+        let Some(bindings) = program.bindings.get(entry) else {
+            return Err(Finding::error(
+                "internal",
+                format!("{what}: the node kind runs `{entry}` without naming it in its program"),
+            )
+            .into());
+        };
+        for binding in bindings {
+            used.entry((binding.group, binding.binding))
+                .or_insert_with(|| (binding.clone(), ShaderStages::NONE))
+                .1 |= *stage;
+        }
+    }
+    let mut findings = Findings::new();
+    let mut entries: BTreeMap<u32, (Vec<wgpu::BindGroupLayoutEntry>, Vec<Binding>)> = BTreeMap::new();
+    for ((group, _), (binding, visibility)) in used {
+        if let Some(entry) = findings.take(layout_entry(&binding, visibility)) {
+            let (layout, bindings) = entries.entry(group).or_default();
+            layout.push(entry);
+            bindings.push(binding);
+        }
+    }
+    let entries = findings.into_result(entries)?;
+    gpu.scoped(what, 0, || {
+        entries
+            .into_iter()
+            .map(|(group, (entries, bindings))| {
+                let layout = gpu
+                    .device
+                    .create_bind_group_layout(&BindGroupLayoutDescriptor { label: None, entries: &entries });
+                (group, (layout, bindings))
+            })
+            .collect()
+    })
+}
+
+fn build(
+    gpu: &Gpu,
+    module: &ShaderModule,
+    key: &PipelineKey,
+    formats: &[TextureFormat],
+    groups: &BTreeMap<u32, (BindGroupLayout, Vec<Binding>)>,
+) -> PipelineKind {
+    let layout = layout(gpu, groups);
+    let constants: Vec<(&str, f64)> =
+        key.constants.iter().map(|(name, bits)| (name.as_str(), f64::from_bits(*bits))).collect();
+    let compilation_options =
+        PipelineCompilationOptions { constants: &constants, zero_initialize_workgroup_memory: true };
+    let label = Some(key.entries[key.entries.len() - 1]);
+    let [vertex, fragment] = key.entries.as_slice() else {
+        return PipelineKind::Compute(gpu.device.create_compute_pipeline(&ComputePipelineDescriptor {
+            label,
+            layout: Some(&layout),
+            module,
+            entry_point: Some(key.entries[0]),
+            compilation_options,
+            cache: None,
+        }));
+    };
+    let attributes = [VertexAttribute { format: VertexFormat::Float32x3, offset: 0, shader_location: 0 }];
+    let mesh = VertexBufferLayout { array_stride: 12, step_mode: VertexStepMode::Vertex, attributes: &attributes };
+    let buffers: &[Option<VertexBufferLayout<'_>>] = if key.has_mesh { &[Some(mesh)] } else { &[] };
+    let targets: Vec<Option<ColorTargetState>> = formats
+        .iter()
+        .map(|format| Some(ColorTargetState { format: *format, blend: None, write_mask: ColorWrites::ALL }))
+        .collect();
+    PipelineKind::Render(gpu.device.create_render_pipeline(&RenderPipelineDescriptor {
+        label,
+        layout: Some(&layout),
+        vertex: VertexState {
+            module,
+            entry_point: Some(vertex),
+            compilation_options: compilation_options.clone(),
+            buffers,
+        },
+        primitive: PrimitiveState {
+            topology: PrimitiveTopology::TriangleList,
+            front_face: FrontFace::Ccw,
+            cull_mode: key.back_faces_only.then_some(Face::Front),
+            ..PrimitiveState::default()
+        },
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(FragmentState {
+            module,
+            entry_point: Some(fragment),
+            compilation_options,
+            targets: &targets,
+        }),
+        multiview_mask: None,
+        cache: None,
+    }))
+}
+
+fn layout(gpu: &Gpu, groups: &BTreeMap<u32, (BindGroupLayout, Vec<Binding>)>) -> PipelineLayout {
+    let count = groups.keys().next_back().map_or(0, |last| last + 1);
+    let layouts: Vec<Option<&BindGroupLayout>> =
+        (0..count).map(|group| groups.get(&group).map(|(layout, _)| layout)).collect();
+    gpu.device.create_pipeline_layout(&PipelineLayoutDescriptor {
+        label: None,
+        bind_group_layouts: &layouts,
+        immediate_size: 0,
+    })
+}

@@ -1,0 +1,249 @@
+//! Phase 3, check: types of edges, parameters, bindings, cycles. Everything wrong is collected.
+
+use std::fmt;
+
+use serde::Serialize;
+use volgraph_report::{Finding, Findings, did_you_mean};
+use volgraph_shader::{Binding, BindingKind};
+
+use crate::graph::{Graph, Node, NodeBody, NodeId, Origin};
+
+/// What a binding of a shader is filled with: decided by its name alone.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BindingSource {
+    /// The uniform of [`crate::Lens`].
+    Lens,
+    /// The uniform of the camera's pose.
+    Camera,
+    /// The merged parameters.
+    Params,
+    /// A uniform that the node kind fills.
+    Uniform(String),
+    /// The resource at an input port.
+    Input(String),
+    /// The resource at an output port.
+    Output(String),
+    /// A sampler.
+    Sampler(SamplerKind),
+}
+
+/// The samplers there are: all clamp to the edge but the last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SamplerKind {
+    /// `linear_sampler`
+    Linear,
+    /// `nearest_sampler`
+    Nearest,
+    /// `repeat_sampler`: linear, repeats.
+    Repeat,
+}
+
+impl fmt::Display for BindingSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Lens => f.write_str("frame lens"),
+            Self::Camera => f.write_str("frame camera"),
+            Self::Params => f.write_str("parameters"),
+            Self::Uniform(name) => write!(f, "uniform {name}"),
+            Self::Input(port) => write!(f, "input {port}"),
+            Self::Output(port) => write!(f, "output {port}"),
+            Self::Sampler(kind) => write!(f, "sampler {kind:?}"),
+        }
+    }
+}
+
+/// Finds what fills a binding of a node's shader.
+///
+/// # Errors
+/// `unknown-binding` where nothing of the node has that name, `missing-input` where it is a port left open.
+pub fn binding_source(node: &Node, binding: &Binding) -> Result<BindingSource, Finding> {
+    let name = binding.name.as_str();
+    let Some(kind) = node.kind() else {
+        return Err(Finding::error("internal", "a source has no bindings"));
+    };
+    match &binding.kind {
+        BindingKind::Uniform(_) => match name {
+            "lens" => return Ok(BindingSource::Lens),
+            "camera" => return Ok(BindingSource::Camera),
+            "params" => return Ok(BindingSource::Params),
+            _ if kind.uniforms().contains(&name) => return Ok(BindingSource::Uniform(name.to_owned())),
+            _ => {}
+        },
+        BindingKind::Sampler { .. } => match name {
+            "linear_sampler" => return Ok(BindingSource::Sampler(SamplerKind::Linear)),
+            "nearest_sampler" => return Ok(BindingSource::Sampler(SamplerKind::Nearest)),
+            "repeat_sampler" => return Ok(BindingSource::Sampler(SamplerKind::Repeat)),
+            _ => {}
+        },
+        _ => {
+            if let Some(port) = name.strip_suffix("_out").filter(|port| kind.outputs().iter().any(|o| o.name == *port)) {
+                return Ok(BindingSource::Output(port.to_owned()));
+            }
+            if kind.inputs().iter().any(|port| port.name == name) {
+                if node.inputs.contains_key(name) {
+                    return Ok(BindingSource::Input(name.to_owned()));
+                }
+                return Err(Finding::error(
+                    "missing-input",
+                    format!("the shader of node `{}` reads its input `{name}`, which is not connected", node.name),
+                )
+                .at(binding.place.clone()));
+            }
+        }
+    }
+    let known: Vec<String> = match &binding.kind {
+        BindingKind::Uniform(_) => ["lens", "camera", "params"]
+            .iter()
+            .chain(kind.uniforms())
+            .map(|name| (*name).to_owned())
+            .collect(),
+        BindingKind::Sampler { .. } => {
+            ["linear_sampler", "nearest_sampler", "repeat_sampler"].map(str::to_owned).to_vec()
+        }
+        _ => kind
+            .inputs()
+            .iter()
+            .map(|port| port.name.to_owned())
+            .chain(kind.outputs().iter().map(|port| format!("{}_out", port.name)))
+            .collect(),
+    };
+    Err(Finding::error(
+        "unknown-binding",
+        format!("nothing fills the binding `{name}` for a node of kind `{}`", kind.name()),
+    )
+    .at(binding.place.clone())
+    .help_opt(did_you_mean(name, known.iter().map(String::as_str))))
+}
+
+/// Checks the whole graph, nodes that nothing needs included.
+///
+/// # Errors
+/// `type-mismatch`, `unknown-param`, `bad-param`, `unknown-binding`, `missing-input`, `cycle`.
+pub fn check(graph: &Graph) -> Result<(), Findings> {
+    let mut findings = Findings::new();
+    for (id, node) in graph.nodes.iter().enumerate() {
+        check_types(graph, node, &mut findings);
+        check_params(graph, id, &mut findings);
+        if let Some(program) = &node.program {
+            for binding in program.used() {
+                findings.take(binding_source(node, binding));
+            }
+        }
+    }
+    if let Some(finding) = cycle(graph) {
+        findings.push(finding);
+    }
+    findings.into_result(())
+}
+
+fn check_types(graph: &Graph, node: &Node, findings: &mut Findings) {
+    let Some(kind) = node.kind() else { return };
+    for (name, link) in &node.inputs {
+        let Some(port) = kind.inputs().iter().find(|port| port.name == name) else { continue };
+        let writer = &graph.nodes[link.node];
+        let given = writer.output_types().into_iter().find(|(name, _)| *name == link.port).map(|(_, ty)| ty);
+        if given != Some(port.ty) {
+            let given = given.map_or_else(|| "nothing".to_owned(), |ty| ty.to_string());
+            let finding = Finding::error(
+                "type-mismatch",
+                format!(
+                    "input `{name}` of node `{}` takes {}, but `{}` gives {given}",
+                    node.name, port.ty, writer.name
+                ),
+            );
+            findings.push(match &link.place {
+                Some(place) => finding.at(place.clone()),
+                None => finding,
+            });
+        }
+    }
+}
+
+fn check_params(graph: &Graph, id: NodeId, findings: &mut Findings) {
+    let node = &graph.nodes[id];
+    if node.is_source() {
+        return;
+    }
+    let specs = node.specs();
+    for (name, given) in &node.given {
+        match specs.iter().find(|spec| spec.name == *name) {
+            Some(spec) => {
+                if let Err(reason) = spec.check(&given.value) {
+                    let finding = Finding::error("bad-param", format!("parameter `{name}` of node `{}`: {reason}", node.name));
+                    findings.push(match &spec.place {
+                        Some(place) => finding.at(given.place.clone()).related(place.clone(), "declared here"),
+                        None => finding.at(given.place.clone()),
+                    });
+                }
+            }
+            None if matches!(node.origin, Origin::File(_)) => {
+                findings.push(
+                    Finding::error("unknown-param", format!("node `{}` has no parameter `{name}`", node.name))
+                        .at(given.name_place.clone())
+                        .help_opt(did_you_mean(name, specs.iter().map(|spec| spec.name.as_str()))),
+                );
+            }
+            None => {}
+        }
+    }
+}
+
+/// The first cycle, if there is one, named along its edges.
+fn cycle(graph: &Graph) -> Option<Finding> {
+    #[derive(Clone, Copy, PartialEq)]
+    enum Mark {
+        New,
+        Open,
+        Done,
+    }
+    fn visit(graph: &Graph, id: NodeId, marks: &mut [Mark], path: &mut Vec<NodeId>) -> Option<Vec<NodeId>> {
+        match marks[id] {
+            Mark::Done => return None,
+            Mark::Open => {
+                let start = path.iter().position(|at| *at == id).unwrap_or(0);
+                return Some(path[start..].to_vec());
+            }
+            Mark::New => {}
+        }
+        marks[id] = Mark::Open;
+        path.push(id);
+        for link in graph.nodes[id].inputs.values() {
+            if let Some(found) = visit(graph, link.node, marks, path) {
+                return Some(found);
+            }
+        }
+        path.pop();
+        marks[id] = Mark::Done;
+        None
+    }
+    let mut marks = vec![Mark::New; graph.nodes.len()];
+    let found = (0..graph.nodes.len()).find_map(|id| visit(graph, id, &mut marks, &mut Vec::new()))?;
+    // The path goes from reader to writer; people read it the way the data would go.
+    let mut names: Vec<&str> = found.iter().rev().map(|id| graph.nodes[*id].name.as_str()).collect();
+    names.push(names[0]);
+    let finding = Finding::error("cycle", format!("the nodes form a cycle: {}", names.join(" → ")))
+        .help("let one of them read from a node outside of the cycle");
+    let places = found.iter().filter_map(|id| match &graph.nodes[*id].origin {
+        Origin::File(place) => Some((place.clone(), graph.nodes[*id].name.clone())),
+        Origin::Demanded { .. } => None,
+    });
+    let mut finding = finding;
+    for (place, name) in places {
+        if finding.place.is_none() {
+            finding = finding.at(place);
+        } else {
+            finding = finding.related(place, format!("node `{name}`"));
+        }
+    }
+    Some(finding)
+}
+
+impl Node {
+    /// Whether it is a loaded source.
+    #[must_use]
+    pub fn is_source(&self) -> bool {
+        matches!(self.body, NodeBody::Source(_))
+    }
+}

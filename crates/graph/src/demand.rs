@@ -1,0 +1,296 @@
+//! Phase 2, demand: each node's shader is linked, and what its entry points use decides what else is made.
+//!
+//! For every node, needed by the outputs or not, the kind names its program; the [`ShaderLibrary`] links and checks it. A
+//! binding that is really used and has the name of a demanded port calls for the node that fills it, unless the
+//! file connects that port; equal demands share one node. A connected port whose binding nobody uses is let go,
+//! so that culling can drop its writer. Nodes called for are treated in the same way, until nothing is missing.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use indexmap::IndexMap;
+use naga::valid::Capabilities;
+use volgraph_report::{Finding, Findings, Place};
+use volgraph_shader::{LinkRequest, Module, ShaderRoots, check, link};
+
+use crate::desc::ParamDesc;
+use crate::graph::{Graph, Link, Node, NodeBody, NodeId, Origin, Program};
+use crate::kind::{Demand, NodeContext, ProgramSpec, Requirement};
+use crate::plan::Limits;
+use crate::registry::Registry;
+use crate::resolve::default_slots;
+
+/// Links and checks programs; keeps those whose files have not changed since.
+#[derive(Debug)]
+pub struct ShaderLibrary {
+    roots: ShaderRoots,
+    capabilities: Capabilities,
+    /// The graph's folder: slot choices that are paths start here.
+    base: Option<PathBuf>,
+    linked: Mutex<BTreeMap<[u8; 32], Arc<Module>>>,
+}
+
+impl ShaderLibrary {
+    /// A library over these roots, for a device with these capabilities.
+    #[must_use]
+    pub fn new(roots: ShaderRoots, capabilities: Capabilities, base: Option<PathBuf>) -> Self {
+        Self { roots, capabilities, base, linked: Mutex::default() }
+    }
+
+    /// The roots it searches.
+    #[must_use]
+    pub fn roots(&self) -> &ShaderRoots {
+        &self.roots
+    }
+
+    /// Links and checks a program. The text is linked anew each time, so that edits are seen; a text seen before
+    /// is not checked again.
+    ///
+    /// # Errors
+    /// Everything the linker and naga found.
+    pub fn module(&self, spec: &ProgramSpec, slots: &BTreeMap<String, String>) -> Result<Arc<Module>, Findings> {
+        let mut request = LinkRequest::new(spec.root);
+        request.slots = slots.clone();
+        request.slots.extend(spec.fixed_slots.clone());
+        request.base = self.base.clone();
+        let linked = link(&self.roots, &request)?;
+        let mut cache = self.linked.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(module) = cache.get(&linked.digest) {
+            // The same text may come from other files by now; places must name the current ones.
+            if module.linked.files.iter().map(|file| &file.path).eq(linked.files.iter().map(|file| &file.path)) {
+                return Ok(Arc::clone(module));
+            }
+        }
+        let digest = linked.digest;
+        let module = Arc::new(check(linked, self.capabilities)?);
+        cache.insert(digest, Arc::clone(&module));
+        Ok(module)
+    }
+}
+
+/// Links every node's shader, adds the nodes that used bindings call for and drops edges that no binding uses.
+///
+/// # Errors
+/// All findings of the linker and of naga; `missing-entry` where a shader lacks an entry point; `missing-input`
+/// where a used binding has no writer and cannot have one.
+pub fn demand(
+    mut graph: Graph,
+    registry: &Registry,
+    shaders: &ShaderLibrary,
+    limits: &Limits,
+) -> Result<Graph, Findings> {
+    let mut findings = Findings::new();
+    // Outputs wanted of a node decide its entry points, so readers are linked before writers.
+    let mut done: Vec<NodeId> = Vec::new();
+    while let Some(id) = next_open(&graph, &done) {
+        done.push(id);
+        let Some(kind) = graph.nodes[id].kind().cloned() else { continue };
+        let Some(spec) = kind.program(&NodeContext::new(&graph, id, limits)) else {
+            let used = |_: &str| true;
+            call_for(&mut graph, id, registry, used, &mut findings);
+            continue;
+        };
+        let Some(program) = findings.take_all(program(&graph.nodes[id], spec, shaders)) else { continue };
+        graph.nodes[id].program = Some(program.clone());
+        let specs = graph.nodes[id].specs();
+        graph.nodes[id].fill_params(&specs);
+        call_for(&mut graph, id, registry, |name| program.uses(name), &mut findings);
+    }
+    findings.into_result(graph)
+}
+
+/// A node that is not done and whose readers all are; any one where a cycle leaves no such node.
+fn next_open(graph: &Graph, done: &[NodeId]) -> Option<NodeId> {
+    let open = || (0..graph.nodes.len()).filter(|id| !done.contains(id));
+    open()
+        .find(|id| {
+            open().filter(|reader| reader != id).all(|reader| {
+                graph.nodes[reader].inputs.values().all(|link| link.node != *id)
+            })
+        })
+        .or_else(|| open().next())
+}
+
+fn program(node: &Node, spec: ProgramSpec, shaders: &ShaderLibrary) -> Result<Program, Findings> {
+    let slots = node.slots.iter().map(|(name, slot)| (name.clone(), slot.choice.clone())).collect();
+    let module = shaders.module(&spec, &slots).map_err(|findings| at_choice(node, findings))?;
+    let mut findings = Findings::new();
+    let known = module.entry_points();
+    let mut bindings = BTreeMap::new();
+    for &entry in &spec.entries {
+        if known.iter().any(|point| point.name == entry) {
+            bindings.insert(entry, module.used_bindings(entry));
+        } else {
+            findings.push(
+                Finding::error("missing-entry", format!("`{}` has no entry point `{entry}`", spec.root))
+                    .at(Place::whole_file(spec.root)),
+            );
+        }
+    }
+    findings.into_result(Program { spec, module, bindings })
+}
+
+/// A finding about a slot's choice without a place of its own stands where the graph makes that choice.
+fn at_choice(node: &Node, findings: Findings) -> Findings {
+    findings
+        .into_iter()
+        .map(|finding| {
+            if finding.code != "unknown-choice" {
+                return finding;
+            }
+            let choice = node.slots.values().find(|slot| {
+                slot.place.is_some() && finding.message.contains(&format!("`{}`", slot.choice))
+            });
+            match choice.and_then(|slot| slot.place.clone()) {
+                Some(place) => {
+                    let finding = match finding.place.clone() {
+                        Some(import) => finding.related(import, "imported here"),
+                        None => finding,
+                    };
+                    finding.at(place)
+                }
+                None => finding,
+            }
+        })
+        .collect()
+}
+
+fn call_for(
+    graph: &mut Graph,
+    id: NodeId,
+    registry: &Registry,
+    used: impl Fn(&str) -> bool,
+    findings: &mut Findings,
+) {
+    let Some(kind) = graph.nodes[id].kind().cloned() else { return };
+    for port in kind.inputs() {
+        let is_bound = kind.program(&NodeContext::new(graph, id, &Limits::default())).is_some();
+        match port.requirement {
+            Requirement::Demanded(demand) => {
+                if !used(port.name) {
+                    graph.nodes[id].inputs.remove(port.name);
+                } else if !graph.nodes[id].inputs.contains_key(port.name) {
+                    match fulfil(graph, id, port.name, demand, registry) {
+                        Ok(link) => {
+                            graph.nodes[id].inputs.insert(port.name.to_owned(), link);
+                        }
+                        Err(finding) => findings.push(finding),
+                    }
+                }
+            }
+            // A texture that no entry point reads need not be made; what a node reads on the CPU or as a mesh stays.
+            Requirement::Optional if is_bound && is_texture(port.ty) && !used(port.name) => {
+                graph.nodes[id].inputs.remove(port.name);
+            }
+            Requirement::Optional | Requirement::Required => {}
+        }
+    }
+}
+
+fn is_texture(ty: crate::PortType) -> bool {
+    use crate::PortType as P;
+    matches!(
+        ty,
+        P::Color | P::Scalar2d | P::Table1d | P::Table2d | P::VolumeTexture | P::GradientTexture | P::ImageTexture
+    )
+}
+
+/// The writer of a demanded port: an equal node that is there already, or a new one.
+fn fulfil(
+    graph: &mut Graph,
+    id: NodeId,
+    port: &str,
+    demand: Demand,
+    registry: &Registry,
+) -> Result<Link, Finding> {
+    let by = &graph.nodes[id];
+    let place = graph.nodes[id].place(graph);
+    let at = |finding: Finding| match &place {
+        Some(place) => finding.at(place.clone()),
+        None => finding,
+    };
+    let Some(kind) = registry.node(demand.kind) else {
+        return Err(at(Finding::error(
+            "unknown-kind",
+            format!("binding `{port}` calls for a node of kind `{}`, which is not registered", demand.kind),
+        )));
+    };
+    let mut inputs = BTreeMap::new();
+    for (theirs, mine) in demand.inputs {
+        let Some(link) = by.inputs.get(*mine) else {
+            let used_at = by
+                .program
+                .as_ref()
+                .and_then(|program| program.used().into_iter().find(|binding| binding.name == port).cloned());
+            let finding = at(Finding::error(
+                "missing-input",
+                format!("node `{}` needs its input `{mine}`: its shader uses `{port}`, which is made of it", by.name),
+            ));
+            return Err(match used_at {
+                Some(binding) => finding.related(binding.place, "used binding"),
+                None => finding,
+            });
+        };
+        inputs.insert((*theirs).to_owned(), Link { place: None, ..link.clone() });
+    }
+    let mut slots = default_slots(kind.as_ref());
+    for (theirs, mine) in demand.slots {
+        if let (Some(slot), Some(choice)) = (slots.get_mut(*theirs), by.slots.get(*mine)) {
+            *slot = choice.clone();
+        }
+    }
+    let mut given = IndexMap::new();
+    for (theirs, mine) in demand.params {
+        if let Some(value) = by.params.get(*mine) {
+            let place = by.given.get(*mine).map(|given| given.place.clone()).or_else(|| place.clone());
+            let place = place.unwrap_or_else(|| Place::whole_file(""));
+            let desc = ParamDesc { value: value.clone(), name_place: place.clone(), place };
+            given.insert((*theirs).to_owned(), desc);
+        }
+    }
+    let mut node = Node {
+        name: String::new(),
+        body: NodeBody::Kind(Arc::clone(kind)),
+        inputs,
+        given,
+        params: BTreeMap::new(),
+        slots,
+        origin: Origin::Demanded { by: id, binding: port.to_owned() },
+        program: None,
+    };
+    node.fill_params(&kind.params());
+    let output = node.output_types().first().map(|(name, _)| (*name).to_owned()).unwrap_or_default();
+    let link = |node| Link { node, port: output.clone(), place: None };
+    let same = |other: &Node| {
+        other.kind_name() == node.kind_name()
+            && matches!(other.origin, Origin::Demanded { .. })
+            && writers(other) == writers(&node)
+            && other.params == node.params
+            && choices(other) == choices(&node)
+    };
+    if let Some(existing) = graph.nodes.iter().position(same) {
+        return Ok(link(existing));
+    }
+    node.name = unique_name(graph, &format!("{}.{}", by.name, demand.kind));
+    graph.nodes.push(node);
+    Ok(link(graph.nodes.len() - 1))
+}
+
+fn writers(node: &Node) -> Vec<(&str, NodeId, &str)> {
+    node.inputs.iter().map(|(port, link)| (port.as_str(), link.node, link.port.as_str())).collect()
+}
+
+fn choices(node: &Node) -> Vec<(&str, &str)> {
+    node.slots.iter().map(|(slot, choice)| (slot.as_str(), choice.choice.as_str())).collect()
+}
+
+fn unique_name(graph: &Graph, wanted: &str) -> String {
+    let mut name = wanted.to_owned();
+    let mut count = 1;
+    while graph.find(&name).is_some() {
+        count += 1;
+        name = format!("{wanted}_{count}");
+    }
+    name
+}

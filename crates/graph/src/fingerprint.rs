@@ -1,0 +1,69 @@
+//! The memory of work: a digest of everything that a node's result depends on.
+//!
+//! Two frames in which a node has the same fingerprint give the same result, so the second need not run it. A
+//! fingerprint takes in the kind, the parameters, the linked shader and its entry points, the inputs'
+//! fingerprints, the sizes of the outputs, and of the view only what the node really reads: the lens where
+//! its shader uses `lens`, the pose where it uses `camera`.
+
+use std::collections::BTreeMap;
+
+use crate::camera::View;
+use crate::graph::{Graph, NodeBody, NodeId};
+use crate::size::Resources;
+
+/// A blake3 digest.
+pub type Digest = [u8; 32];
+
+/// The fingerprints of all nodes for one view.
+#[must_use]
+pub fn fingerprints(graph: &Graph, order: &[NodeId], resources: &Resources, view: &View) -> BTreeMap<NodeId, Digest> {
+    let mut fingerprints: BTreeMap<NodeId, Digest> = BTreeMap::new();
+    for &id in order {
+        let node = &graph.nodes[id];
+        let mut hasher = blake3::Hasher::new();
+        // Every part is preceded by its length, so that no two lists of parts run together.
+        let mut part = |bytes: &[u8]| {
+            hasher.update(&(bytes.len() as u64).to_le_bytes());
+            hasher.update(bytes);
+        };
+        match &node.body {
+            NodeBody::Source(source) => part(&source.digest()),
+            NodeBody::Kind(kind) => {
+                part(kind.name().as_bytes());
+                for (name, value) in &node.params {
+                    part(name.as_bytes());
+                    part(format!("{value:?}").as_bytes());
+                }
+                if let Some(program) = &node.program {
+                    part(&program.module.linked.digest);
+                    for entry in &program.spec.entries {
+                        part(entry.as_bytes());
+                    }
+                    if program.uses("lens") || kind.passes_follow_camera() {
+                        part(format!("{:?}", view.lens()).as_bytes());
+                    }
+                    if program.uses("camera") || kind.passes_follow_camera() {
+                        part(format!("{:?}", view.camera).as_bytes());
+                    }
+                }
+                for (port, link) in &node.inputs {
+                    part(port.as_bytes());
+                    part(link.port.as_bytes());
+                    part(&fingerprints[&link.node]);
+                }
+                for ((_, port), resource) in resources.range((id, String::new())..(id + 1, String::new())) {
+                    part(port.as_bytes());
+                    part(format!("{resource:?}").as_bytes());
+                }
+            }
+        }
+        fingerprints.insert(id, *hasher.finalize().as_bytes());
+    }
+    fingerprints
+}
+
+/// A digest as lower-case hexadecimal.
+#[must_use]
+pub fn hex(digest: &[u8]) -> String {
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
+}

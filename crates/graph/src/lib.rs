@@ -1,0 +1,44 @@
+//! The render graph as plain data: from a graph file to a [`Plan`], without a GPU.
+//!
+//! The way of the data: [`read`] turns RON text into a [`GraphDesc`] with every finding at its place; a
+//! [`Registry`] knows the node kinds and source kinds. The phases are functions over plain values, each with
+//! its own tests: [`resolve`] (names, ports, slots, defaults), [`demand`] (link each node's shader, see which
+//! bindings its entry points really use, add the nodes that those call for), [`check`] (types, parameters,
+//! cycles; collects all), [`cull`] (backwards from the outputs), [`order`] (deterministic), [`size`] (absolute,
+//! view-relative, input-relative) and [`lifetime`] (which resources may share memory). [`Plan::build`] runs
+//! them all; [`Plan::record`] asks each node for its [`Pass`]es of one frame, and [`fingerprint`] says
+//! which nodes need not run because what they wrote last still holds.
+
+#![warn(missing_docs)]
+
+pub mod camera;
+pub mod check;
+pub mod cull;
+pub mod demand;
+mod desc;
+pub mod fingerprint;
+mod graph;
+mod kind;
+pub mod lifetime;
+pub mod order;
+mod pass;
+mod plan;
+pub mod print;
+pub mod read;
+mod registry;
+pub mod resolve;
+mod resource;
+pub mod size;
+
+pub use camera::{Camera, CameraDesc, Lens, Projection, View};
+pub use desc::{EdgeDesc, GraphDesc, NodeDesc, ParamDesc, SourceDesc};
+pub use fingerprint::{Digest, hex};
+pub use graph::{Graph, Link, Node, NodeBody, NodeId, Origin, Program};
+pub use kind::{
+    Demand, InputPort, NodeContext, NodeKind, OutputPort, PortType, ProgramSpec, Requirement, SlotSpec, Source,
+    SourceKind, Uniform,
+};
+pub use pass::{Load, Mesh, Pass, Target, UploadBytes};
+pub use plan::{Allocation, Limits, Plan, PlanRequest, PlannedNode, PlannedResource};
+pub use registry::Registry;
+pub use resource::{Extent, ResourceDesc, ResourceKind, Size};

@@ -1,0 +1,116 @@
+//! Phase 6, size: every written output gets its extent, from absolute, view-relative and input-relative rules.
+
+use std::collections::BTreeMap;
+
+use volgraph_report::{Finding, Findings};
+
+use crate::graph::{Graph, NodeId};
+use crate::kind::NodeContext;
+use crate::plan::Limits;
+use crate::resource::{Extent, ResourceDesc, ResourceKind, Size};
+
+/// Resources by (node, output port).
+pub type Resources = BTreeMap<(NodeId, String), ResourceKind>;
+
+/// Sizes the wanted outputs of all nodes, writers first.
+///
+/// # Errors
+/// What a kind refuses, and `over-limit`, with the limit's name, the size asked and what to do.
+pub fn size(graph: &Graph, order: &[NodeId], view: [u32; 2], limits: &Limits) -> Result<Resources, Findings> {
+    let mut findings = Findings::new();
+    let mut resources = Resources::new();
+    for &id in order {
+        let Some(kind) = graph.nodes[id].kind() else { continue };
+        for port in graph.wanted(id) {
+            let context = NodeContext { resources: Some(&resources), ..NodeContext::new(graph, id, limits) };
+            let described = kind.output(port, &context).and_then(|desc| {
+                let resource = resource(&desc, view, &context)?;
+                within_limits(&resource, port, &context)?;
+                Ok(resource)
+            });
+            if let Some(resource) = findings.take(described) {
+                resources.insert((id, port.to_owned()), resource);
+            } else {
+                // Readers would only repeat the finding in other words.
+                return Err(findings);
+            }
+        }
+    }
+    findings.into_result(resources)
+}
+
+fn resource(desc: &ResourceDesc, view: [u32; 2], node: &NodeContext<'_>) -> Result<ResourceKind, Finding> {
+    Ok(match *desc {
+        ResourceDesc::Buffer { bytes } => ResourceKind::Buffer { bytes },
+        ResourceDesc::Texture { dimensions, size, format } => {
+            let extent = match size {
+                Size::Absolute(extent) => extent,
+                Size::ViewRelative(factor) => {
+                    let [width, height] = view.map(|n| scaled(n, factor));
+                    [width, height, 1]
+                }
+                Size::InputRelative(port, factor) => match node.input_resource(port) {
+                    Some(ResourceKind::Texture { extent, .. }) => extent.map(|n| scaled(n, factor)),
+                    _ => {
+                        return Err(node.error(
+                            "missing-input",
+                            format!("its output is as large as its input `{port}`, which is not a texture"),
+                        ));
+                    }
+                },
+            };
+            ResourceKind::Texture { dimensions, extent, format }
+        }
+    })
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "sizes are positive and below 2^32")]
+fn scaled(n: u32, factor: f32) -> u32 {
+    ((f64::from(n) * f64::from(factor)).round() as u32).max(1)
+}
+
+fn within_limits(resource: &ResourceKind, port: &str, node: &NodeContext<'_>) -> Result<(), Finding> {
+    let limits = node.limits();
+    let (name, limit, asked, help) = match resource {
+        ResourceKind::Buffer { bytes } => {
+            ("max_buffer_size", limits.max_buffer_bytes, *bytes, "use less data, or another adapter")
+        }
+        ResourceKind::Texture { dimensions, extent, .. } => {
+            let largest = u64::from(extent.iter().copied().max().unwrap_or(0));
+            match dimensions {
+                1 => ("max_texture_dimension_1d", limits.max_texture_1d, largest, "choose a smaller table"),
+                2 => ("max_texture_dimension_2d", limits.max_texture_2d, largest, "choose a smaller size"),
+                _ => (
+                    "max_texture_dimension_3d",
+                    limits.max_texture_3d,
+                    largest,
+                    "crop or downsample the volume, or choose an adapter with a higher limit",
+                ),
+            }
+        }
+    };
+    if asked > limit {
+        return Err(node
+            .error("over-limit", format!("output `{port}` asks for {asked}, over the device's limit {name} = {limit}"))
+            .help(help));
+    }
+    let bytes = resource.bytes();
+    if bytes > limits.max_resource_bytes {
+        return Err(node
+            .error(
+                "over-limit",
+                format!(
+                    "output `{port}` takes {bytes} bytes, over the memory limit of {} bytes for one resource",
+                    limits.max_resource_bytes
+                ),
+            )
+            .help("crop or downsample the volume, or choose a smaller picture or storage format"));
+    }
+    Ok(())
+}
+
+/// Pixels or voxels in an extent.
+#[must_use]
+pub fn texel_count(extent: Extent) -> u64 {
+    extent.iter().map(|&n| u64::from(n)).product()
+}

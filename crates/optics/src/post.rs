@@ -1,0 +1,54 @@
+//! The table for post-classification: one scalar in, colour and extinction out.
+
+use crate::{OpticsError, TransferFunction};
+
+/// Colour and extinction at even places over the transfer function's range.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PostTable {
+    /// Entry `i` of `n` is at `lo + i / (n - 1) · (hi - lo)`: linear RGB, not premultiplied, and in the fourth
+    /// place the extinction per reference length.
+    pub entries: Vec<[f32; 4]>,
+}
+
+impl PostTable {
+    /// Fewer entries than this would show as bands.
+    pub const MIN_SIZE: u32 = 1024;
+    /// What every device takes as a 1D or 2D texture's width.
+    pub const MAX_SIZE: u32 = 8192;
+}
+
+impl TransferFunction {
+    /// The table for post-classification with `n` entries, [`PostTable::MIN_SIZE`] to [`PostTable::MAX_SIZE`].
+    ///
+    /// # Errors
+    /// [`OpticsError::TableSize`].
+    pub fn post_table(&self, n: u32) -> Result<PostTable, OpticsError> {
+        let (min, max) = (PostTable::MIN_SIZE, PostTable::MAX_SIZE);
+        if !(min..=max).contains(&n) {
+            let table = "post-classification";
+            return Err(OpticsError::TableSize {
+                table,
+                asked: n,
+                min,
+                max,
+            });
+        }
+        let entry = |i| {
+            let s = node(self.range(), n, i);
+            let [r, g, b] = self.color(s).map(|c| c as f32);
+            [r, g, b, self.extinction(s) as f32]
+        };
+        Ok(PostTable {
+            entries: (0..n).map(entry).collect(),
+        })
+    }
+}
+
+/// The scalar of entry `i` of `n ≥ 2`; the last is exactly the range's end.
+pub(crate) fn node((lo, hi): (f64, f64), n: u32, i: u32) -> f64 {
+    if i + 1 >= n {
+        hi
+    } else {
+        lo + f64::from(i) / f64::from(n - 1) * (hi - lo)
+    }
+}

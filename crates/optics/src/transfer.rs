@@ -1,0 +1,214 @@
+//! The transfer function: colour and extinction of a scalar.
+//!
+//! A file (or text) is read once into two curves, one of colour and one of opacity or extinction; both are
+//! evaluated in float64 wherever someone asks. Its canonical RON text is also what its digest is taken of.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use volgraph_report::{Finding, Findings, Place};
+
+use crate::curve::Curve;
+use crate::file;
+
+/// Extinction per reference length that opacity 1 stands for: it leaves a transmittance of 1.1e-7.
+pub const MAX_EXTINCTION_FROM_OPACITY: f64 = 16.0;
+
+/// Extinction per reference length of an opacity in 0..=1: `-ln(1 - α)`, at most
+/// [`MAX_EXTINCTION_FROM_OPACITY`].
+#[must_use]
+pub fn extinction_from_opacity(opacity: f64) -> f64 {
+    (-(-opacity).ln_1p()).min(MAX_EXTINCTION_FROM_OPACITY)
+}
+
+/// Opacity of an optical depth: `1 - exp(-τ)`.
+#[must_use]
+pub fn opacity_from_extinction(extinction: f64) -> f64 {
+    -(-extinction).exp_m1()
+}
+
+/// The unit of the control points' positions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Domain {
+    /// 0..1 over the range of the volume's stored type.
+    Normalised,
+    /// The volume's own data values (Hounsfield units, for instance).
+    Data,
+}
+
+/// The length that an opacity, or an extinction of 1, is stated for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ReferenceLength {
+    /// So many voxels of the volume's smallest spacing.
+    Voxels(f64),
+    /// So many units of world space.
+    World(f64),
+}
+
+impl ReferenceLength {
+    /// The reference length in world units, for a volume whose smallest spacing is `min_spacing_world`.
+    #[must_use]
+    pub fn in_world(self, min_spacing_world: f64) -> f64 {
+        match self {
+            Self::Voxels(voxels) => voxels * min_spacing_world,
+            Self::World(world) => world,
+        }
+    }
+
+    /// The factor that turns extinction per reference length into extinction per world unit.
+    #[must_use]
+    pub fn extinction_per_world(self, min_spacing_world: f64) -> f64 {
+        self.in_world(min_spacing_world).recip()
+    }
+}
+
+/// Where the colours come from; the curve is what counts, the name is for the text.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ColorSource {
+    pub(crate) curve: Curve<3>,
+    pub(crate) map: Option<MapUse>,
+}
+
+/// A named colour map laid over the scalars `from..to`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct MapUse {
+    pub(crate) name: String,
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    pub(crate) is_reversed: bool,
+}
+
+/// What is interpolated linearly between control points.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Absorption {
+    /// Opacity of one reference length.
+    Opacity(Curve<1>),
+    /// Extinction per reference length.
+    Extinction(Curve<1>),
+}
+
+impl Absorption {
+    pub(crate) fn curve(&self) -> &Curve<1> {
+        match self {
+            Self::Opacity(curve) | Self::Extinction(curve) => curve,
+        }
+    }
+}
+
+/// A transfer function: linear RGB and extinction per reference length of every scalar.
+///
+/// Scalars are in the units of [`domain`](Self::domain); beyond the first and last control point their values hold.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TransferFunction {
+    pub(crate) domain: Domain,
+    pub(crate) range: (f64, f64),
+    pub(crate) reference_length: ReferenceLength,
+    pub(crate) color: ColorSource,
+    pub(crate) absorption: Absorption,
+}
+
+impl TransferFunction {
+    /// Reads a text in the grammar of [`mod@crate::file`]; `file` is the name that findings carry.
+    ///
+    /// # Errors
+    /// Everything wrong in it, each with its place.
+    pub fn parse(file: &Path, text: &str) -> Result<Self, Findings> {
+        file::parse(file, text)
+    }
+
+    /// Reads a file in the grammar of [`mod@crate::file`], of at most 256 KiB.
+    ///
+    /// # Errors
+    /// `io` where it cannot be read, else as [`parse`](Self::parse).
+    pub fn load(path: &Path) -> Result<Self, Findings> {
+        let unreadable = |error: std::io::Error| {
+            Finding::error(
+                "io",
+                format!("the transfer function cannot be read: {error}"),
+            )
+            .at(Place::whole_file(path))
+            .help("check that the path names a UTF-8 text file that you may read")
+        };
+        let mut text = String::new();
+        // One byte more than allowed is enough for `parse` to refuse it by size.
+        let limit = file::MAX_TEXT_BYTES as u64 + 1;
+        File::open(path)
+            .and_then(|file| file.take(limit).read_to_string(&mut text))
+            .map_err(unreadable)?;
+        Self::parse(path, &text)
+    }
+
+    /// The canonical text in the grammar of [`mod@crate::file`]; reading it gives an equal transfer function.
+    #[must_use]
+    pub fn to_ron(&self) -> String {
+        file::write(self)
+    }
+
+    /// BLAKE3 of the canonical text: comments, layout and the way a colour is written do not change it.
+    #[must_use]
+    pub fn digest(&self) -> [u8; 32] {
+        *blake3::hash(self.to_ron().as_bytes()).as_bytes()
+    }
+
+    /// The unit of its scalars.
+    #[must_use]
+    pub fn domain(&self) -> Domain {
+        self.domain
+    }
+
+    /// The scalars `(lo, hi)` that the tables span, `lo < hi`, in the units of the domain.
+    #[must_use]
+    pub fn range(&self) -> (f64, f64) {
+        self.range
+    }
+
+    /// The length that its extinction is stated for.
+    #[must_use]
+    pub fn reference_length(&self) -> ReferenceLength {
+        self.reference_length
+    }
+
+    /// Linear RGB, not multiplied by anything, of a scalar; at a step the later point's.
+    #[must_use]
+    pub fn color(&self, s: f64) -> [f64; 3] {
+        self.color.curve.at(s)
+    }
+
+    /// Extinction per reference length of a scalar; at a step the later point's.
+    #[must_use]
+    pub fn extinction(&self, s: f64) -> f64 {
+        let [value] = self.absorption.curve().at(s);
+        match &self.absorption {
+            Absorption::Opacity(_) => extinction_from_opacity(value),
+            Absorption::Extinction(_) => value,
+        }
+    }
+
+    /// Opacity of one reference length of a scalar: `1 - exp(-extinction)`.
+    #[must_use]
+    pub fn opacity(&self, s: f64) -> f64 {
+        opacity_from_extinction(self.extinction(s))
+    }
+
+    /// The scalars, rising, each once, between which colour and extinction are smooth: the control points, the
+    /// samples of a colour map, and where a rising opacity meets its cap. They may lie outside the range.
+    #[must_use]
+    pub fn knots(&self) -> Vec<f64> {
+        let absorption = self.absorption.curve().points();
+        let mut knots = self.color.curve.knots();
+        knots.extend(self.absorption.curve().knots());
+        if matches!(self.absorption, Absorption::Opacity(_)) {
+            let cap = opacity_from_extinction(MAX_EXTINCTION_FROM_OPACITY);
+            for pair in absorption.windows(2) {
+                let ((from, [a]), (to, [b])) = (pair[0], pair[1]);
+                if (a < cap) != (b < cap) {
+                    knots.push((from + (cap - a) / (b - a) * (to - from)).clamp(from, to));
+                }
+            }
+        }
+        knots.sort_by(f64::total_cmp);
+        knots.dedup();
+        knots
+    }
+}

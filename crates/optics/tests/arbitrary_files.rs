@@ -1,0 +1,87 @@
+//! No text makes the reader panic, and what is written reads back equal.
+
+use std::path::Path;
+
+use proptest::prelude::*;
+use volgraph_optics::{TransferFunction, color_map_names};
+use volgraph_report::Findings;
+
+fn parse(text: &str) -> Result<TransferFunction, Findings> {
+    TransferFunction::parse(Path::new("t.ron"), text)
+}
+
+fn curve_of(value: impl Strategy<Value = String> + Clone) -> impl Strategy<Value = String> {
+    proptest::collection::vec((-1e4..1e4, value), 2..6).prop_map(|mut points| {
+        points.sort_by(|a, b| f64::total_cmp(&a.0, &b.0));
+        let list: String = points
+            .iter()
+            .map(|(at, value)| format!("({at:?}, {value}),"))
+            .collect();
+        format!("[{list}]")
+    })
+}
+
+fn valid_text() -> impl Strategy<Value = String> {
+    let color = prop_oneof![
+        (0.0..2.0, 0.0..2.0, 0.0..2.0).prop_map(|rgb: (f64, f64, f64)| format!("{rgb:?}")),
+        "#[0-9a-fA-F]{6}".prop_map(|hex| format!("{hex:?}")),
+    ];
+    let map = (
+        0..color_map_names().count(),
+        any::<bool>(),
+        -9e3..0.0,
+        1.0..9e3,
+    )
+        .prop_map(|(which, reversed, from, to): (usize, bool, f64, f64)| {
+            let name = color_map_names().nth(which).unwrap();
+            format!("map(name: {name:?}, from: {from:?}, to: {to:?}, reversed: {reversed})")
+        });
+    let colors = prop_oneof![color.clone(), curve_of(color.boxed()), map];
+    let absorption = prop_oneof![
+        curve_of((0.0..=1.0).prop_map(|a: f64| format!("{a:?}")).boxed())
+            .prop_map(|list| format!("opacity: {list}")),
+        curve_of((0.0..1e5).prop_map(|a: f64| format!("{a:?}")).boxed())
+            .prop_map(|list| format!("extinction: {list}")),
+    ];
+    let domain = prop_oneof![Just("data"), Just("data(from: -10000, to: 10000.5)")];
+    let length = (1e-3..1e3, any::<bool>()).prop_map(|(l, world): (f64, bool)| {
+        format!("({}: {l:?})", if world { "world" } else { "voxels" })
+    });
+    (domain, length, colors, absorption).prop_map(|(domain, length, colors, absorption)| {
+        format!("(domain: {domain}, reference_length: {length}, color: {colors}, {absorption})")
+    })
+}
+
+proptest! {
+    #[test]
+    fn no_text_panics(text in ".{0,200}") {
+        let _ = parse(&text);
+    }
+
+    #[test]
+    fn no_text_of_known_words_panics(words in proptest::collection::vec(prop_oneof![
+        Just("("), Just(")"), Just("["), Just("]"), Just(","), Just(":"), Just("points:"), Just("color:"),
+        Just("opacity:"), Just("at:"), Just("map"), Just("name:"), Just("\"gray\""), Just("\"#\u{e9}\""),
+        Just("1e400"), Just("-0.0"), Just("NaN"), Just("domain:"), Just("data"), Just("0"), Just("1"),
+    ], 0..40)) {
+        let _ = parse(&format!("({})", words.concat()));
+    }
+
+    #[test]
+    fn a_damaged_text_does_not_panic(text in valid_text(), at in any::<prop::sample::Index>(), by in any::<char>()) {
+        let mut chars: Vec<char> = text.chars().collect();
+        let at = at.index(chars.len());
+        chars[at] = by;
+        let _ = parse(&chars.into_iter().collect::<String>());
+    }
+
+    #[test]
+    fn what_is_written_reads_back_equal(text in valid_text()) {
+        let transfer = parse(&text).map_err(|findings| TestCaseError::fail(findings.to_string()))?;
+        let written = transfer.to_ron();
+        let again = parse(&written).map_err(|findings| TestCaseError::fail(findings.to_string()))?;
+        prop_assert_eq!(&again, &transfer);
+        prop_assert_eq!(again.to_ron(), written);
+        prop_assert_eq!(again.digest(), transfer.digest());
+    }
+}

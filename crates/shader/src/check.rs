@@ -1,0 +1,199 @@
+//! From a linked text to a module that naga has validated, or to findings.
+//!
+//! naga parses the text; what stops it is mapped back to the author ([`crate::diagnose`]). Of a parsed module
+//! all clashing bindings, all faulty parameter docs and naga's first validation error are told together.
+
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+use std::sync::Arc;
+use std::thread;
+
+use naga::TypeInner;
+use naga::front::wgsl::{Frontend, Options};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use volgraph_report::{Finding, Findings};
+
+use crate::layout::Layouts;
+use crate::link::{LinkRequest, link};
+use crate::params::doc::shader_param;
+use crate::{Linked, ParamSpec, ShaderRoots, diagnose};
+
+/// naga recurses over declarations that refer to each other: room for the longest chain that
+/// a linked text of the largest size can have. Only what is touched is ever committed.
+const STACK_BYTES: usize = 128 << 20;
+
+/// A validated shader module.
+#[derive(Clone, Debug)]
+pub struct Module {
+    /// naga's own module.
+    pub naga: naga::Module,
+    /// What naga found out about it.
+    pub info: naga::valid::ModuleInfo,
+    /// The text it was made of.
+    pub linked: Arc<Linked>,
+    pub(crate) params: Vec<ParamSpec>,
+}
+
+/// Parses and validates a linked text.
+///
+/// # Errors
+/// `wgsl-syntax` (the first of each file), `wgsl-type`, `wgsl-validation`, `name-clash`, `binding-clash`,
+/// `params-doc`, each at the author's places; `wgsl-internal` where naga itself fails.
+pub fn check(
+    linked: impl Into<Arc<Linked>>,
+    capabilities: Capabilities,
+) -> Result<Module, Findings> {
+    let linked = linked.into();
+    let deep = {
+        let linked = Arc::clone(&linked);
+        thread::Builder::new()
+            .name("volgraph-shader-check".to_owned())
+            .stack_size(STACK_BYTES)
+            .spawn(move || check_here(&linked, capabilities))
+    };
+    match deep.map(thread::JoinHandle::join) {
+        Ok(Ok(result)) => result,
+        Ok(Err(_)) => Err(Finding::error(
+            "wgsl-internal",
+            "the WGSL compiler (naga) failed on this shader",
+        )
+        .at(linked.root_place())
+        .help("take away parts of the shader until it compiles, and report what made it fail")
+        .into()),
+        // Where there are no threads, the caller's stack must do.
+        Err(_) => check_here(&linked, capabilities),
+    }
+}
+
+/// Links one file (a library, a slot's choice or a node; a path relative to the current folder or to a root)
+/// with the default choices of the slots that it imports, and checks it; it needs no entry point.
+///
+/// # Errors
+/// As [`crate::link()`] and [`check`].
+pub fn check_file(
+    roots: &ShaderRoots,
+    path: &Path,
+    default_slots: &BTreeMap<String, String>,
+    capabilities: Capabilities,
+) -> Result<Module, Findings> {
+    let mut request = LinkRequest::new(path).base("");
+    request.slots.clone_from(default_slots);
+    check(link(roots, &request)?, capabilities)
+}
+
+fn check_here(linked: &Arc<Linked>, capabilities: Capabilities) -> Result<Module, Findings> {
+    let naga = parse(&linked.text, capabilities)
+        .map_err(|error| diagnose::parse_error(linked, &error, capabilities))?;
+    let mut findings = binding_clashes(linked, &naga);
+    let params: Vec<ParamSpec> = linked
+        .params
+        .iter()
+        .filter_map(|param| {
+            let inner = params_member(&naga, &param.name)?;
+            findings.take_all(shader_param(
+                linked,
+                param,
+                &Layouts::new(&naga, linked).member_type(inner),
+            ))
+        })
+        .collect();
+    let info = Validator::new(ValidationFlags::all(), capabilities)
+        .validate(&naga)
+        .map_err(|error| diagnose::validation_error(linked, &naga, &error));
+    match info {
+        Ok(info) => findings.into_result(Module {
+            naga,
+            info,
+            linked: Arc::clone(linked),
+            params,
+        }),
+        Err(finding) => {
+            // Two bindings that clash are told already, with both places.
+            if finding.code != diagnose::BINDING_COLLISION || findings.is_empty() {
+                findings.push(finding);
+            }
+            Err(findings)
+        }
+    }
+}
+
+/// Parses WGSL as [`check`] does.
+pub(crate) fn parse(
+    text: &str,
+    capabilities: Capabilities,
+) -> Result<naga::Module, naga::front::wgsl::ParseError> {
+    // The linker reads doc comments itself: it knows their places, and naga 30 gives a member the doc comment
+    // of another one where an earlier member has none.
+    let options = Options {
+        parse_doc_comments: false,
+        capabilities,
+    };
+    Frontend::new_with_options(options).parse(text)
+}
+
+fn params_member(module: &naga::Module, name: &str) -> Option<naga::Handle<naga::Type>> {
+    let (_, params) = module
+        .types
+        .iter()
+        .find(|(_, ty)| ty.name.as_deref() == Some("Params"))?;
+    let TypeInner::Struct { members, .. } = &params.inner else {
+        return None;
+    };
+    let member = members
+        .iter()
+        .find(|member| member.name.as_deref() == Some(name))?;
+    Some(member.ty)
+}
+
+fn binding_clashes(linked: &Linked, module: &naga::Module) -> Findings {
+    let mut first: HashMap<(u32, u32), &str> = HashMap::new();
+    let mut findings = Findings::new();
+    for (_, variable) in module.global_variables.iter() {
+        let (Some(binding), Some(name)) = (variable.binding, &variable.name) else {
+            continue;
+        };
+        let Some(before) = first.get(&(binding.group, binding.binding)) else {
+            first.insert((binding.group, binding.binding), name);
+            continue;
+        };
+        // The one that stands later in the text is to blame, unless the linker wrote the earlier one.
+        let at = |name: &str| {
+            linked
+                .declared
+                .iter()
+                .position(|declared| declared.name == name)
+        };
+        let (blamed, other) = if at(before) > at(name) {
+            (*before, name.as_str())
+        } else {
+            (name.as_str(), *before)
+        };
+        let is_made = |name: &str| {
+            linked
+                .declaration(name)
+                .is_some_and(|declared| declared.is_made)
+        };
+        let (blamed, other) = if is_made(blamed) {
+            (other, blamed)
+        } else {
+            (blamed, other)
+        };
+        let message = format!(
+            "`{blamed}` and `{other}` have the same @group({}) @binding({})",
+            binding.group, binding.binding
+        );
+        let mut finding =
+            Finding::error("binding-clash", message).help("give one of them another number");
+        if is_made(other) {
+            finding = finding.help("that is the binding of `struct Params`: take another number");
+        }
+        if let Some(place) = linked.declaration_place(blamed) {
+            finding = finding.at(place);
+        }
+        if let Some(place) = linked.declaration_place(other) {
+            finding = finding.related(place, "the other one");
+        }
+        findings.push(finding);
+    }
+    findings
+}

@@ -1,0 +1,32 @@
+//! WGSL: linking, checking, reflection, diagnostics.
+//!
+//! The way of the data: [`ShaderRoots`] finds files, [`link()`] follows their imports into one [`Linked`] text
+//! that knows the author's place of each byte, [`check()`] gives that text to naga and turns what naga says
+//! into findings at the author's places. The [`Module`] it returns answers what a render graph asks: entry
+//! points, the bindings that one really uses, overrides, [`params`] and struct layouts. [`UniformWriter`]
+//! fills a uniform buffer by member names. Nothing here touches a GPU.
+
+mod assemble;
+mod check;
+mod diagnose;
+mod files;
+mod layout;
+mod link;
+mod linked;
+mod lookup;
+pub mod params;
+mod reflect;
+mod roots;
+mod scan;
+mod token;
+mod uniform;
+
+pub use check::{Module, check, check_file};
+pub use files::{DiskFiles, MemoryFiles, ShaderFiles};
+pub use layout::{Member, MemberType, ScalarType, StructLayout};
+pub use link::{LinkRequest, link};
+pub use linked::{Linked, LinkedFile, SegmentMap};
+pub use params::{ParamSpec, ParamType, ParamValue};
+pub use reflect::{Binding, BindingKind, EntryPoint, OverrideSpec, TextureDim, TextureSample};
+pub use roots::ShaderRoots;
+pub use uniform::{UniformError, UniformValue, UniformWriter};

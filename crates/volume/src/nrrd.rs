@@ -1,0 +1,327 @@
+//! NRRD, the "nearly raw raster data" of the Teem library, versions 1 to 6, attached and detached.
+//! Source: <https://teem.sourceforge.net/nrrd/format.html>.
+//!
+//! [`parse_header`] turns the lines into fields, each once, and the fields into a [`Header`] of plain values;
+//! `placement` makes the grid in LPS of them; [`load`] then reads the data. Axes that are not spatial (by
+//! `kinds`, or `none` in `space directions`) hold components, of which the options name one. `key:=value` pairs
+//! and comments mean nothing here. What the format leaves open, a warning tells.
+
+mod placement;
+
+use crate::axes::Axes;
+use crate::data_files::DataFiles;
+use crate::error::Trouble;
+use crate::fields::{Field, Fields, LONGEST_HEADER, endless_header, lines, text_line};
+use crate::input::Input;
+use crate::load::{Limits, LoadOptions, Loaded};
+use crate::raw::unknown_type;
+use crate::stream::{Encoding, Job, Piece};
+use crate::{ScalarType, VolumeError};
+
+/// Fields that the format has and that say nothing about where or what the voxels are.
+const IGNORED: [&str; 12] = [
+    "block size",
+    "content",
+    "labels",
+    "max",
+    "measurement frame",
+    "min",
+    "number",
+    "old max",
+    "old min",
+    "sample units",
+    "space units",
+    "units",
+];
+
+/// Fields that are read.
+const READ: [&str; 19] = [
+    "axis maxs",
+    "axis mins",
+    "byte skip",
+    "centerings",
+    "data file",
+    "dimension",
+    "encoding",
+    "endian",
+    "kinds",
+    "line skip",
+    "sizes",
+    "space",
+    "space dimension",
+    "space directions",
+    "space origin",
+    "spacings",
+    "thicknesses",
+    "type",
+    "version",
+];
+
+/// A header, its values checked one by one but not yet against each other or the data.
+#[derive(Debug)]
+pub struct Header {
+    /// 1 to 6.
+    pub version: u8,
+    /// Type of the elements.
+    pub scalar_type: ScalarType,
+    /// Sizes of all axes, fastest first.
+    pub sizes: Vec<u64>,
+    /// How the elements are written down.
+    pub encoding: Encoding,
+    /// Byte order, where it is said.
+    pub big_endian: Option<bool>,
+    /// Lines to pass over before the data, before decoding.
+    pub line_skip: u64,
+    /// Bytes to pass over then, after decoding; negative ones count from the end.
+    pub byte_skip: i64,
+    /// Where the data is.
+    pub data_files: DataFiles,
+    /// Offset behind the header in its own file.
+    pub data_offset: u64,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+    fields: Fields,
+}
+
+/// Whether a file with this head is NRRD.
+pub(crate) fn is_nrrd(head: &[u8]) -> bool {
+    head.starts_with(b"NRRD00")
+}
+
+/// Reads the header at the beginning of `bytes`; what follows it is not looked at.
+///
+/// # Errors
+/// A [`VolumeError`] without a file, with the line where there is one.
+pub fn parse_header(bytes: &[u8]) -> Result<Header, VolumeError> {
+    let mut all = lines(bytes);
+    let magic = all.next().map_or(&b""[..], |(line, ..)| line);
+    let version = match magic.strip_prefix(b"NRRD000") {
+        Some(&[digit @ b'1'..=b'6']) => digit - b'0',
+        _ => {
+            return Err(VolumeError::Unsupported(Trouble::new(
+                "the first line is none of NRRD0001 to NRRD0006",
+                "save the file as NRRD0004 or NRRD0005",
+            ))
+            .on_line(1));
+        }
+    };
+    let mut fields = Fields::default();
+    let mut warnings = Vec::new();
+    let mut listed = Vec::new();
+    let mut in_list = false;
+    let mut data_offset = bytes.len() as u64;
+    for (number, (line, after, _)) in (2_u32..).zip(all) {
+        if line.is_empty() {
+            data_offset = after as u64;
+            break;
+        }
+        if in_list {
+            listed.push(text_line(line, number)?.trim().to_owned());
+            continue;
+        }
+        let Some(field) = parse_line(line, number)? else {
+            continue;
+        };
+        let key = field.key.as_str();
+        if READ.contains(&key) {
+            in_list = key == "data file" && is_list(&field.value);
+        } else if !IGNORED.contains(&key) {
+            let hint = volgraph_report::did_you_mean(key, READ).filter(|hint| hint.starts_with("did"));
+            let hint = hint.map(|hint| format!("; {hint}")).unwrap_or_default();
+            warnings.push(format!("line {number}: `{key}` is no NRRD field and was passed over{hint}"));
+        }
+        fields.push(field)?;
+    }
+    Header::of(version, fields, listed, data_offset, warnings)
+}
+
+fn is_list(value: &str) -> bool {
+    value.split_whitespace().next().is_some_and(|word| word.eq_ignore_ascii_case("list"))
+}
+
+/// The field of a line; `None` for comments and `key:=value` pairs, which may hold any bytes.
+fn parse_line(line: &[u8], number: u32) -> Result<Option<Field>, VolumeError> {
+    let colon = line.iter().position(|&byte| byte == b':');
+    if line.starts_with(b"#") || colon.is_some_and(|at| line.get(at + 1) == Some(&b'=')) {
+        return Ok(None);
+    }
+    let colon = colon.ok_or_else(|| {
+        let start: String = String::from_utf8_lossy(line).chars().take(40).collect();
+        VolumeError::HeaderSyntax(Trouble::new(
+            format!("the line {start:?} is no field"),
+            "write `field: value`, `key:=value` or `# comment`, and end the header with an empty line",
+        ))
+        .on_line(number)
+    })?;
+    let key = canonical(text_line(&line[..colon], number)?);
+    let value = if IGNORED.contains(&key.as_str()) {
+        String::new()
+    } else {
+        text_line(&line[colon + 1..], number)?.trim().to_owned()
+    };
+    Ok(Some(Field { key, value, line: number }))
+}
+
+/// The one spelling of a field's name.
+fn canonical(key: &str) -> String {
+    let key = key.trim().to_ascii_lowercase();
+    let one = match key.as_str() {
+        "datafile" => "data file",
+        "lineskip" => "line skip",
+        "byteskip" => "byte skip",
+        "blocksize" => "block size",
+        "centers" | "centering" | "centres" => "centerings",
+        "axismins" => "axis mins",
+        "axismaxs" => "axis maxs",
+        "oldmin" => "old min",
+        "oldmax" => "old max",
+        "sampleunits" => "sample units",
+        other => other,
+    };
+    one.to_owned()
+}
+
+impl Header {
+    fn of(
+        version: u8,
+        fields: Fields,
+        listed: Vec<String>,
+        data_offset: u64,
+        warnings: Vec<String>,
+    ) -> Result<Self, VolumeError> {
+        let type_field = fields.require("type")?;
+        let dimension = fields.require("dimension")?;
+        let axes: usize = dimension.number()?;
+        if !(1..=16).contains(&axes) {
+            return Err(dimension.bad("a file has 1 to 16 axes", "correct the dimension"));
+        }
+        let encoding = parse_encoding(fields.require("encoding")?)?;
+        let number_or = |key: &str, default: i64| fields.get(key).map_or(Ok(default), Field::number);
+        let line_skip = fields.get("line skip").map_or(Ok(0), Field::number::<u64>)?;
+        let byte_skip = number_or("byte skip", 0)?;
+        if let Some(field) = fields.get("byte skip").filter(|_| byte_skip < 0) {
+            if matches!(encoding, Encoding::Text | Encoding::Hex) {
+                return Err(field.bad("text has no bytes to count from its end", "use a line skip"));
+            }
+        }
+        let data_files = match fields.get("data file") {
+            Some(field) => DataFiles::parse(field, listed)?,
+            None => DataFiles::Attached,
+        };
+        Ok(Self {
+            version,
+            scalar_type: parse_type(type_field)?,
+            sizes: fields.require("sizes")?.numbers(axes)?,
+            encoding,
+            big_endian: fields.get("endian").map(parse_endian).transpose()?,
+            line_skip,
+            byte_skip,
+            data_files,
+            data_offset,
+            warnings,
+            fields,
+        })
+    }
+
+    /// Byte order: must be said wherever it matters.
+    fn byte_order(&self) -> Result<bool, VolumeError> {
+        if self.scalar_type.size() == 1 || self.encoding == Encoding::Text {
+            return Ok(false);
+        }
+        self.big_endian.ok_or_else(|| {
+            VolumeError::MissingField(Trouble::new(
+                format!("the header has no `endian`, and {} has two byte orders", self.scalar_type),
+                "add `endian: little` or `endian: big`",
+            ))
+        })
+    }
+}
+
+fn parse_type(field: &Field) -> Result<ScalarType, VolumeError> {
+    if field.value.eq_ignore_ascii_case("block") {
+        return Err(VolumeError::Unsupported(Trouble::new(
+            "the type `block` is opaque bytes, not numbers",
+            "save the file with a number type",
+        ))
+        .on_line(field.line));
+    }
+    ScalarType::parse(&field.value).ok_or_else(|| unknown_type(&field.value).on_line(field.line))
+}
+
+fn parse_encoding(field: &Field) -> Result<Encoding, VolumeError> {
+    Ok(match field.value.to_ascii_lowercase().as_str() {
+        "raw" => Encoding::Raw,
+        "txt" | "text" | "ascii" => Encoding::Text,
+        "hex" => Encoding::Hex,
+        "gz" | "gzip" => Encoding::Gzip,
+        "bz2" | "bzip2" => Encoding::Bzip2,
+        _ => {
+            return Err(VolumeError::Unsupported(Trouble::new(
+                format!("the encoding {:?} is not read", field.value),
+                "save the file as raw, gzip, bzip2, hex or ascii",
+            ))
+            .on_line(field.line));
+        }
+    })
+}
+
+fn parse_endian(field: &Field) -> Result<bool, VolumeError> {
+    match field.value.to_ascii_lowercase().as_str() {
+        "little" => Ok(false),
+        "big" => Ok(true),
+        _ => Err(field.bad("that is no byte order", "write `little` or `big`")),
+    }
+}
+
+pub(crate) fn load(input: &Input<'_>, options: &LoadOptions) -> Result<Loaded, VolumeError> {
+    let head = input.head(LONGEST_HEADER)?;
+    let mut header = parse_header(&head)?;
+    if header.data_offset == LONGEST_HEADER && input.len > LONGEST_HEADER {
+        return Err(endless_header());
+    }
+    let sizes_line = header.fields.get("sizes").map_or(0, |field| field.line);
+    let on_sizes = |error: VolumeError| error.on_line(sizes_line);
+    let spatial = placement::spatial_axes(&header)?;
+    let axes = Axes::new(header.sizes.clone(), spatial.clone()).map_err(on_sizes)?;
+    let count = axes.count().map_err(on_sizes)?;
+    options.agree(axes.dims(), header.scalar_type).map_err(on_sizes)?;
+    let component = axes.component(options).map_err(on_sizes)?;
+    let mut warnings = std::mem::take(&mut header.warnings);
+    let grid = placement::grid(&header, &spatial, axes.dims(), &mut warnings)?;
+    let grid = options.place(grid)?;
+    let big_endian = header.byte_order()?;
+    let inputs = header.data_files.inputs(input)?;
+    if count % inputs.len() as u64 != 0 {
+        let files = inputs.len();
+        return Err(on_sizes(VolumeError::BadValue(Trouble::new(
+            format!("{count} voxels do not spread evenly over {files} data files"),
+            "correct the sizes or the list of files",
+        ))));
+    }
+    let attached = header.data_files == DataFiles::Attached;
+    let job = Job {
+        pieces: inputs
+            .into_iter()
+            .map(|input| Piece {
+                input,
+                start: if attached { header.data_offset } else { 0 },
+                line_skip: header.line_skip,
+                byte_skip: header.byte_skip,
+                encoding: header.encoding,
+                encoded_len: None,
+            })
+            .collect(),
+        scalar_type: header.scalar_type,
+        big_endian,
+        count,
+        what: axes.describe(header.scalar_type),
+    };
+    let voxels = job.read(&Limits::of(options))?;
+    Ok(Loaded {
+        name: crate::volume::stem(&input.path),
+        grid,
+        voxels: axes.select(voxels, component),
+        data_files: job.pieces.into_iter().map(|piece| piece.input.path).collect(),
+        warnings,
+    })
+}

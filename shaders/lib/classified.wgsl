@@ -1,0 +1,9 @@
+// What classification makes of a segment.
+#import "lib/ray.wgsl"
+
+struct Classified {
+    // Premultiplied: what the segment emits towards the eye, attenuated inside of the segment.
+    color: vec3f,
+    // The share of light that passes through the segment.
+    transmittance: f32,
+}

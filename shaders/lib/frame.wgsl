@@ -1,0 +1,42 @@
+// The frame: the lens (projection and picture size, the same for all poses) and the pose of the camera.
+
+struct Lens {
+    // Width and height in pixels.
+    size: vec2f,
+    // Half the width and height of the view: at distance 1 in perspective, in world units otherwise.
+    half_extent: vec2f,
+    // 1 where rays are parallel.
+    is_orthographic: u32,
+}
+
+// World space; right, up and forward are orthonormal.
+struct Camera {
+    eye: vec3f,
+    right: vec3f,
+    up: vec3f,
+    forward: vec3f,
+}
+
+@group(0) @binding(0) var<uniform> lens: Lens;
+@group(0) @binding(1) var<uniform> camera: Camera;
+
+// From a pixel position (pixel centres at .5, y down) to the view plane: -1..1 over the height, y up; x likewise,
+// so that squares stay square.
+fn frame_view_plane(pixel: vec2f) -> vec2f {
+    let centred = pixel * 2.0 - lens.size;
+    return vec2f(centred.x, -centred.y) / lens.size.y;
+}
+
+// Clip coordinates of a world point. Depth is constant: there is no depth buffer, and nothing is cut at a far plane.
+fn frame_clip_from_world(world: vec3f) -> vec4f {
+    let from_eye = world - camera.eye;
+    let x = dot(from_eye, camera.right) / lens.half_extent.x;
+    let y = dot(from_eye, camera.up) / lens.half_extent.y;
+    let w = select(dot(from_eye, camera.forward), 1.0, lens.is_orthographic != 0u);
+    return vec4f(x, y, 0.5 * w, w);
+}
+
+// Corners of one triangle that covers the picture.
+fn frame_full_screen(index: u32) -> vec4f {
+    return vec4f(f32(i32(index & 1u) * 4 - 1), f32(i32(index >> 1u) * 4 - 1), 0.5, 1.0);
+}

@@ -1,0 +1,67 @@
+// Rays, samples and segments: what the walk hands to the slots.
+#import "lib/frame.wgsl"
+
+struct Ray {
+    // World position of the eye (or of the pixel on the eye's plane), and the unit direction.
+    origin: vec3f,
+    direction: vec3f,
+    // World distances from the origin where the ray enters and leaves the volume's box; empty where far <= near.
+    near: f32,
+    far: f32,
+    // Texture coordinates of the entry, and their change per world unit along the ray.
+    entry: vec3f,
+    slope: vec3f,
+}
+
+// The scalar, in data units, at a position in texture coordinates.
+struct Sample {
+    position: vec3f,
+    scalar: f32,
+}
+
+struct Segment {
+    front: Sample,
+    back: Sample,
+    // World distance from the ray's entry to the segment's front, and the segment's length in world units.
+    start: f32,
+    length: f32,
+}
+
+struct RayResult {
+    // Linear premultiplied colour; alpha is the opacity of what the ray met.
+    color: vec4f,
+    // World distance from the ray's origin to what it shows.
+    depth: f32,
+}
+
+// Stands for an infinite depth: WGSL has no infinity of its own.
+const RAY_NO_DEPTH: f32 = 3.0e38;
+
+fn ray_nothing() -> RayResult {
+    return RayResult(vec4f(0.0), RAY_NO_DEPTH);
+}
+
+// The ray through a pixel position (pixel centres at .5, y down); its box is not known yet.
+fn ray_through(pixel: vec2f) -> Ray {
+    let plane = frame_view_plane(pixel) * lens.half_extent.y;
+    let aside = plane.x * camera.right + plane.y * camera.up;
+    var ray: Ray;
+    if lens.is_orthographic != 0u {
+        ray.origin = camera.eye + aside;
+        ray.direction = camera.forward;
+    } else {
+        ray.origin = camera.eye;
+        ray.direction = normalize(camera.forward + aside);
+    }
+    return ray;
+}
+
+// Texture coordinates at a world distance from the ray's entry. Never accumulated: the error stays one rounding.
+fn ray_position(ray: Ray, distance: f32) -> vec3f {
+    return ray.entry + distance * ray.slope;
+}
+
+// The middle of a segment in texture coordinates.
+fn segment_centre(segment: Segment) -> vec3f {
+    return 0.5 * (segment.front.position + segment.back.position);
+}

@@ -1,0 +1,68 @@
+// The volume: its placement, its box, and how texels become scalars in data units.
+#import "lib/ray.wgsl"
+
+struct Volume {
+    // Texture coordinates (0..1 over whole voxels) from world positions.
+    texture_from_world: mat4x4f,
+    // World gradients from gradients per voxel along the index axes.
+    world_from_index_gradient: mat3x3f,
+    // Voxels along each axis.
+    dims: vec3f,
+    // The box in texture coordinates: 0..1, or voxel centre to voxel centre for a node-centred grid.
+    box_low: vec3f,
+    box_high: vec3f,
+    // World position of the box's middle, and half of its smallest side.
+    centre: vec3f,
+    half_side: f32,
+    // World distance from the middle to a corner.
+    radius: f32,
+    // World length of the smallest spacing.
+    voxel: f32,
+    // scalar = texel * value_scale + value_offset
+    value_scale: f32,
+    value_offset: f32,
+    // Largest minus smallest scalar of the data.
+    value_range: f32,
+}
+
+@group(1) @binding(0) var<uniform> volume: Volume;
+@group(1) @binding(1) var volume_texture: texture_3d<f32>;
+@group(1) @binding(2) var linear_sampler: sampler;
+@group(1) @binding(3) var nearest_sampler: sampler;
+
+// Clips a ray to the volume's box (the slab method); far <= near where it misses.
+fn volume_clip_ray(given: Ray) -> Ray {
+    var ray = given;
+    let origin = (volume.texture_from_world * vec4f(ray.origin, 1.0)).xyz;
+    ray.slope = (volume.texture_from_world * vec4f(ray.direction, 0.0)).xyz;
+    // A ray along a face has no crossing with it; a tiny slope keeps the division finite.
+    let slope = select(ray.slope, vec3f(1.0e-20), abs(ray.slope) < vec3f(1.0e-20));
+    let a = (volume.box_low - origin) / slope;
+    let b = (volume.box_high - origin) / slope;
+    let first = min(a, b);
+    let last = max(a, b);
+    ray.near = max(max(max(first.x, first.y), first.z), 0.0);
+    ray.far = min(min(last.x, last.y), last.z);
+    ray.entry = origin + ray.near * ray.slope;
+    return ray;
+}
+
+// Trilinear scalar in data units.
+fn volume_linear(position: vec3f) -> f32 {
+    let texel = textureSampleLevel(volume_texture, linear_sampler, position, 0.0).x;
+    return texel * volume.value_scale + volume.value_offset;
+}
+
+// Scalar of the nearest voxel in data units.
+fn volume_nearest(position: vec3f) -> f32 {
+    let last = vec3i(volume.dims) - vec3i(1);
+    let index = clamp(vec3i(floor(position * volume.dims)), vec3i(0), last);
+    return textureLoad(volume_texture, index, 0).x * volume.value_scale + volume.value_offset;
+}
+
+// Scalar of a voxel in data units, the index clamped to the grid.
+fn volume_voxel(index: vec3i) -> f32 {
+    let last = vec3i(volume.dims) - vec3i(1);
+    let texel = textureLoad(volume_texture, clamp(index, vec3i(0), last), 0).x;
+    return texel * volume.value_scale + volume.value_offset;
+}

@@ -1,0 +1,5 @@
+// What lies behind the volume: nothing.
+
+fn behind_color(pixel: vec2i) -> vec4f {
+    return vec4f(0.0);
+}

@@ -1,0 +1,11 @@
+// Colour and opacity of a segment: the transfer function at the scalar of the segment's centre (midpoint rule).
+// Order of convergence 2 in the step for smooth transfer functions.
+#import "lib/classified.wgsl"
+#import "lib/transfer.wgsl"
+#import slot "reconstruct"
+
+fn classify_segment(segment: Segment) -> Classified {
+    let entry = transfer_at(reconstruct_scalar(segment_centre(segment)));
+    let transmittance = exp(-entry.w * segment.length * transfer.references_per_world);
+    return Classified(entry.xyz * (1.0 - transmittance), transmittance);
+}

@@ -1,0 +1,12 @@
+// How gradients are stored: as they are, in half floats.
+
+@group(3) @binding(9) var gradient_out: texture_storage_3d<rgba16float, write>;
+
+// Of a gradient per voxel, as a share of the data's range.
+fn gradient_encode(per_index: vec3f) -> vec4f {
+    return vec4f(per_index, 0.0);
+}
+
+fn gradient_decode(stored: vec4f) -> vec3f {
+    return stored.xyz;
+}

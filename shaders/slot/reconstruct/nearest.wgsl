@@ -1,0 +1,6 @@
+// The scalar at a point: that of the nearest voxel.
+#import "lib/volume.wgsl"
+
+fn reconstruct_scalar(position: vec3f) -> f32 {
+    return volume_nearest(position);
+}

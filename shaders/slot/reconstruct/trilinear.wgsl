@@ -1,0 +1,6 @@
+// The scalar at a point: trilinear between voxel centres.
+#import "lib/volume.wgsl"
+
+fn reconstruct_scalar(position: vec3f) -> f32 {
+    return volume_linear(position);
+}
