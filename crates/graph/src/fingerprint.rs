@@ -14,18 +14,38 @@ use crate::size::Resources;
 /// A blake3 digest.
 pub type Digest = [u8; 32];
 
+/// Hashes parts, each preceded by its length, so that no two lists of parts run together.
+#[derive(Default)]
+pub struct Hasher(blake3::Hasher);
+
+impl Hasher {
+    /// Nothing hashed yet.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a part.
+    pub fn part(&mut self, bytes: &[u8]) {
+        self.0.update(&(bytes.len() as u64).to_le_bytes());
+        self.0.update(bytes);
+    }
+
+    /// The digest of all parts.
+    #[must_use]
+    pub fn finish(&self) -> Digest {
+        *self.0.finalize().as_bytes()
+    }
+}
+
 /// The fingerprints of all nodes for one view.
 #[must_use]
 pub fn fingerprints(graph: &Graph, order: &[NodeId], resources: &Resources, view: &View) -> BTreeMap<NodeId, Digest> {
     let mut fingerprints: BTreeMap<NodeId, Digest> = BTreeMap::new();
     for &id in order {
         let node = &graph.nodes[id];
-        let mut hasher = blake3::Hasher::new();
-        // Every part is preceded by its length, so that no two lists of parts run together.
-        let mut part = |bytes: &[u8]| {
-            hasher.update(&(bytes.len() as u64).to_le_bytes());
-            hasher.update(bytes);
-        };
+        let mut hasher = Hasher::new();
+        let mut part = |bytes: &[u8]| hasher.part(bytes);
         match &node.body {
             NodeBody::Source(source) => part(&source.digest()),
             NodeBody::Kind(kind) => {
@@ -57,7 +77,7 @@ pub fn fingerprints(graph: &Graph, order: &[NodeId], resources: &Resources, view
                 }
             }
         }
-        fingerprints.insert(id, *hasher.finalize().as_bytes());
+        fingerprints.insert(id, hasher.finish());
     }
     fingerprints
 }

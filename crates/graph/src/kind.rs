@@ -4,7 +4,7 @@
 //! program it runs, the size of what it writes, and the passes of one frame.
 
 use std::any::Any;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use serde::Serialize;
 use volgraph_report::{Finding, Findings};
-use volgraph_shader::{ParamSpec, ParamValue, UniformValue};
+use volgraph_shader::{Binding, ParamSpec, ParamValue, UniformValue};
 
 use crate::graph::{Graph, NodeBody, NodeId};
 use crate::{Digest, Limits, Pass, ResourceDesc, ResourceKind, View};
@@ -183,6 +183,11 @@ pub trait NodeKind: Send + Sync {
     fn variants(&self, node: &NodeContext<'_>) -> Vec<&'static str> {
         let _ = node;
         Vec::new()
+    }
+
+    /// The output ports that the node writes where these are wanted of it: at least those.
+    fn written(&self, wanted: &BTreeSet<&str>) -> Vec<&'static str> {
+        self.outputs().iter().map(|port| port.name).filter(|name| wanted.contains(name)).collect()
     }
 
     /// What is written at an output port.
@@ -385,6 +390,12 @@ impl<'g> NodeContext<'g> {
     #[must_use]
     pub fn uses_binding(&self, name: &str) -> bool {
         self.node().program.as_ref().is_some_and(|program| program.uses(name))
+    }
+
+    /// A binding that one of the entry points uses.
+    #[must_use]
+    pub fn binding(&self, name: &str) -> Option<&'g Binding> {
+        self.node().program.as_ref()?.used().into_iter().find(|binding| binding.name == name)
     }
 
     /// The sized resource at an output port; known from the size phase on.

@@ -1,7 +1,7 @@
 //! The render graph as plain data: from a graph file to a [`Plan`], without a GPU.
 //!
 //! The way of the data: [`read`] turns RON text into a [`GraphDesc`] with every finding at its place; a
-//! [`Registry`] knows the node kinds and source kinds. The phases are functions over plain values, each with
+//! [`Registry`] knows the node kinds and source kinds; [`sources`] loads what the graph draws. The phases are functions over plain values, each with
 //! its own tests: [`resolve`] (names, ports, slots, defaults), [`demand`] (link each node's shader, see which
 //! bindings its entry points really use, add the nodes that those call for), [`check`] (types, parameters,
 //! cycles; collects all), [`cull`] (backwards from the outputs), [`order`] (deterministic), [`size`] (absolute,
@@ -29,13 +29,14 @@ mod registry;
 pub mod resolve;
 mod resource;
 pub mod size;
+pub mod sources;
 
 pub use camera::{Camera, CameraDesc, Lens, Projection, View};
 pub use desc::{EdgeDesc, GraphDesc, NodeDesc, ParamDesc, SourceDesc};
 pub use fingerprint::{Digest, hex};
 pub use graph::{Graph, Link, Node, NodeBody, NodeId, Origin, Program};
 pub use kind::{
-    Demand, InputPort, NodeContext, NodeKind, OutputPort, PortType, ProgramSpec, Requirement, SlotSpec, Source,
+    Demand, InputPort, NodeContext, NodeKind, OutputPort, PortType, ProgramSpec, Progress, Requirement, SlotSpec, Source,
     SourceKind, Uniform,
 };
 pub use pass::{Load, Mesh, Pass, Target, UploadBytes};

@@ -117,6 +117,14 @@ pub fn camera_text(file: &Path, text: &str) -> Result<CameraDesc, Findings> {
     camera(&Document::parse(file, text)?)
 }
 
+/// Reads one parameter value from a text of its own.
+///
+/// # Errors
+/// Where the text is no value; `file` names it.
+pub fn param_text(file: &Path, text: &str) -> Result<ParamValue, Finding> {
+    param_value(&Document::parse(file, text)?)
+}
+
 fn projection(fields: &mut Fields<'_>, findings: &mut Findings) -> Projection {
     let named = fields.read(findings, "projection", |value| {
         let name = value.text();

@@ -21,7 +21,7 @@ pub fn size(graph: &Graph, order: &[NodeId], view: [u32; 2], limits: &Limits) ->
     let mut resources = Resources::new();
     for &id in order {
         let Some(kind) = graph.nodes[id].kind() else { continue };
-        for port in graph.wanted(id) {
+        for port in kind.written(&graph.wanted(id)) {
             let context = NodeContext { resources: Some(&resources), ..NodeContext::new(graph, id, limits) };
             let described = kind.output(port, &context).and_then(|desc| {
                 let resource = resource(&desc, view, &context)?;

@@ -20,8 +20,9 @@ use crate::{OpticsError, TransferFunction, opacity_from_extinction};
 
 /// Colour and optical depth of segments of one length, for each pair of scalars at their ends.
 ///
-/// Against float64 quadrature the error of an entry's colour is below 1e-5 at 1024 entries a side and falls with
-/// the square of the number of entries, at steps of the transfer function too; the depth is right to f32's precision.
+/// Against float64 quadrature, with colours of 0 to 1 and segments of up to 6 reference lengths, the error of an
+/// entry's colour is below 1e-5 at 1024 entries a side and falls with the square of their number, also for narrow
+/// peaks and across steps; the depth is right to f32's precision.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PreintegratedTable {
     /// Entries a side, `n`; entry `i` stands for the scalar `lo + i / (n - 1) · (hi - lo)`.

@@ -1,5 +1,7 @@
 //! No text makes the reader panic, and what is written reads back equal.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on may panic")]
+
 use std::path::Path;
 
 use proptest::prelude::*;

@@ -111,13 +111,15 @@ pub(crate) fn decode(reader: impl BufRead + Seek, file_len: u64) -> Result<Pictu
         },
     );
     decoder.set_transformations(Transformations::EXPAND);
-    let header = decoder.read_header_info().map_err(text)?;
+    let header = decoder
+        .read_header_info()
+        .map_err(|error| error.to_string())?;
     let (width, height) = (header.width, header.height);
     let pixels = check_size(width, height).map_err(|error| error.to_string())?;
     let row_bytes = header.raw_row_length() as u64;
     check_ratio(row_bytes * u64::from(height), file_len)?;
 
-    let mut reader = decoder.read_info().map_err(text)?;
+    let mut reader = decoder.read_info().map_err(|error| error.to_string())?;
     let is_linear = reader.info().srgb.is_none()
         && reader
             .info()
@@ -130,8 +132,10 @@ pub(crate) fn decode(reader: impl BufRead + Seek, file_len: u64) -> Result<Pictu
         .output_buffer_size()
         .ok_or("it is too large for this machine")?;
     let mut data = vec![0; size];
-    let frame = reader.next_frame(&mut data).map_err(text)?;
-    reader.finish().map_err(text)?;
+    let frame = reader
+        .next_frame(&mut data)
+        .map_err(|error| error.to_string())?;
+    reader.finish().map_err(|error| error.to_string())?;
     data.truncate(frame.buffer_size());
 
     let color = match frame.bit_depth {
@@ -163,10 +167,6 @@ pub(crate) fn decode(reader: impl BufRead + Seek, file_len: u64) -> Result<Pictu
         metadata: metadata(reader.info()),
         ..Picture::default()
     })
-}
-
-fn text(error: png::DecodingError) -> String {
-    error.to_string()
 }
 
 fn colors(

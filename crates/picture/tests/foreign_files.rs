@@ -1,5 +1,7 @@
 //! Files of others, damaged files, and files that are no pictures.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on may panic")]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 

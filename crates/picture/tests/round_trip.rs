@@ -1,5 +1,7 @@
 //! What is saved comes back: EXR bit by bit, PNG within half a code; and what is lost is told.
 
+#![expect(clippy::unwrap_used, reason = "a test that cannot go on may panic")]
+
 use std::fs;
 use std::path::Path;
 

@@ -11,6 +11,7 @@ use volgraph_report::{Finding, Findings, Place, did_you_mean};
 
 use crate::Linked;
 use crate::check::parse;
+use crate::statements::blamed_statement;
 
 /// The code of a validation error that repeats a `binding-clash`.
 pub(crate) const BINDING_COLLISION: &str = "binding-clash";
@@ -137,10 +138,18 @@ pub(crate) fn validation_error(
     }
     let mut spans: Vec<_> = error
         .spans()
-        .filter_map(|(span, label)| Some((span.to_range()?, label)))
+        .filter_map(|(span, label)| Some((span.to_range()?, label.as_str())))
         .collect();
     // The shortest stretch says most exactly where it is.
     spans.sort_by_key(|(range, _)| range.len());
+    let statement = blamed_statement(module, error.as_inner()).and_then(Span::to_range);
+    if let Some(range) = statement
+        && spans
+            .first()
+            .is_none_or(|(nearest, _)| range.len() < nearest.len())
+    {
+        spans.insert(0, (range, ""));
+    }
     let code = match error.as_inner() {
         ValidationError::EntryPoint {
             source: EntryPointError::BindingCollision(_),
@@ -189,8 +198,10 @@ fn entry_variable(error: &EntryPointError) -> Option<naga::Handle<naga::GlobalVa
     }
 }
 
-/// naga's messages count things in its own tables, `[12] `; that helps no author.
+/// naga's messages count things in its own tables, `[12]` or `Some([12])`; that helps no author.
 fn without_handles(message: &str) -> String {
+    let message = without_options(message);
+    let message = message.as_str();
     let mut clean = String::with_capacity(message.len());
     let mut rest = message;
     while let Some(open) = rest.find('[') {
@@ -200,12 +211,37 @@ fn without_handles(message: &str) -> String {
             .count();
         let close = open + 1 + digits;
         if digits > 0 && rest[close..].starts_with(']') {
-            clean.push_str(rest[..open].trim_end());
+            let before = rest[..open].trim_end();
+            clean.push_str(before);
+            // After these a noun is missing.
+            let is_open = ["of", "in", "for", "to", "and", "with"]
+                .contains(&before.rsplit(' ').next().unwrap_or(""));
+            clean.push_str(if is_open { " …" } else { "" });
             rest = &rest[close + 1..];
         } else {
             clean.push_str(&rest[..=open]);
             rest = &rest[open + 1..];
         }
+    }
+    clean + rest
+}
+
+/// `Some([12])` as `[12]`.
+fn without_options(message: &str) -> String {
+    let mut clean = String::with_capacity(message.len());
+    let mut rest = message;
+    while let Some((before, after)) = rest.split_once("Some([") {
+        clean.push_str(before);
+        rest = match after.split_once("])") {
+            Some((handle, after)) if handle.bytes().all(|c| c.is_ascii_digit()) => {
+                clean.push_str(&format!("[{handle}]"));
+                after
+            }
+            _ => {
+                clean.push_str("Some([");
+                after
+            }
+        };
     }
     clean + rest
 }
@@ -243,7 +279,15 @@ mod tests {
             without_handles("Function [12] 'f' is invalid"),
             "Function 'f' is invalid"
         );
-        assert_eq!(without_handles("a[i] and [x, [3]"), "a[i] and [x,");
+        assert_eq!(
+            without_handles("expression Some([3]) is not Some([1]), Some([x"),
+            "expression is not, Some([x"
+        );
+        assert_eq!(
+            without_handles("The type of [3] is not"),
+            "The type of … is not"
+        );
+        assert_eq!(without_handles("a[i] or [x, [3]"), "a[i] or [x,");
         assert_eq!(readable("naga::ir::Expression [3]"), "in this expression");
     }
 }

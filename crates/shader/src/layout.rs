@@ -139,11 +139,15 @@ pub(crate) fn scalar_type(scalar: Scalar) -> Option<ScalarType> {
 /// How many members a layout lists in all; small structs inside each other can have more than memory.
 const MAX_MEMBERS: usize = 4096;
 
+/// How deep types nest: WGSL's limit (section 15.1, limits), which naga does not enforce.
+const MAX_DEPTH: usize = 15;
+
 /// Reads layouts from a module.
 pub(crate) struct Layouts<'a> {
     module: &'a naga::Module,
     linked: &'a Linked,
     members_left: usize,
+    depth: usize,
 }
 
 impl<'a> Layouts<'a> {
@@ -152,12 +156,17 @@ impl<'a> Layouts<'a> {
             module,
             linked,
             members_left: MAX_MEMBERS,
+            depth: 0,
         }
     }
 
     /// A type as a member's; what is too large to list is `Other`.
     pub fn member_type(&mut self, ty: Handle<Type>) -> MemberType {
         let ty = &self.module.types[ty];
+        if self.depth >= MAX_DEPTH {
+            return MemberType::Other(other_name(ty));
+        }
+        self.depth += 1;
         let known = match &ty.inner {
             TypeInner::Scalar(scalar) => scalar_type(*scalar).map(MemberType::Scalar),
             TypeInner::Vector { size, scalar } => {
@@ -184,6 +193,7 @@ impl<'a> Layouts<'a> {
             TypeInner::Struct { .. } => self.struct_layout(ty).map(MemberType::Struct),
             _ => None,
         };
+        self.depth -= 1;
         known.unwrap_or_else(|| MemberType::Other(other_name(ty)))
     }
 

@@ -18,6 +18,7 @@ pub mod params;
 mod reflect;
 mod roots;
 mod scan;
+mod statements;
 mod token;
 mod uniform;
 

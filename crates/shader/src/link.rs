@@ -171,9 +171,14 @@ impl Linker<'_> {
                 let path = Path::new(path);
                 let folders = self.roots.folders(importer.parent());
                 self.roots.find(&folders, path).map_err(|not_found| {
-                    lookup_error("missing-import", "the import", path, not_found, || {
-                        suggest(self.roots, &folders, path)
-                    })
+                    let help = || suggest(self.roots, &folders, path);
+                    Box::new(lookup_error(
+                        "missing-import",
+                        "the import",
+                        path,
+                        not_found,
+                        help,
+                    ))
                 })
             }
             Target::Slot(slot) => {

@@ -13,7 +13,7 @@ pub(crate) fn find_choice(
     roots: &ShaderRoots,
     request: &LinkRequest,
     slot: &str,
-) -> Result<Found, Finding> {
+) -> Result<Found, Box<Finding>> {
     let choices = roots.choices(slot);
     let listed = || list_names(choices.iter().map(String::as_str));
     let Some(choice) = request.slots.get(slot) else {
@@ -21,14 +21,14 @@ pub(crate) fn find_choice(
             "slot-unset",
             format!("no choice is set for the slot `{slot}`"),
         );
-        return Err(if choices.is_empty() {
+        return Err(Box::new(if choices.is_empty() {
             finding.help("set it to a path that ends in `.wgsl`")
         } else {
             finding.help(format!(
                 "choices here: {}, or a path that ends in `.wgsl`",
                 listed()
             ))
-        });
+        }));
     };
     let is_path = choice.ends_with(".wgsl");
     let (folders, path) = if is_path {
@@ -49,7 +49,7 @@ pub(crate) fn find_choice(
         NotFound::Nowhere(Vec::new())
     };
     let what = format!("the choice `{choice}` for the slot `{slot}`");
-    Err(match not_found {
+    Err(Box::new(match not_found {
         NotFound::Nowhere(_) if !is_path => {
             let known = choices.iter().map(String::as_str);
             let help = did_you_mean(choice, known).map(|near| {
@@ -66,7 +66,7 @@ pub(crate) fn find_choice(
             Finding::error("unknown-choice", message).help_opt(suggest(roots, &folders, &path))
         }
         NotFound::Unreadable(path, error) => unreadable(&path, &error),
-    })
+    }))
 }
 
 /// What to say of a path that led to no file.

@@ -68,7 +68,13 @@ const fn parameter(
     max: f64,
     doc: &'static str,
 ) -> ParameterInfo {
-    ParameterInfo { name, default, min, max, doc }
+    ParameterInfo {
+        name,
+        default,
+        min,
+        max,
+        doc,
+    }
 }
 
 const FALLOFF: ParameterInfo = parameter(
@@ -93,8 +99,20 @@ pub const FIELDS: [FieldInfo; 8] = [
         name: "c60",
         doc: "sixty Gaussians on the corners of a truncated icosahedron",
         parameters: &[
-            parameter("radius", 0.72, 0.01, 10.0, "distance of the atoms from the centre"),
-            parameter("sigma", 0.09, 1e-3, 10.0, "standard deviation of each Gaussian"),
+            parameter(
+                "radius",
+                0.72,
+                0.01,
+                10.0,
+                "distance of the atoms from the centre",
+            ),
+            parameter(
+                "sigma",
+                0.09,
+                1e-3,
+                10.0,
+                "standard deviation of each Gaussian",
+            ),
         ],
     },
     FieldInfo {
@@ -103,7 +121,13 @@ pub const FIELDS: [FieldInfo; 8] = [
         parameters: &[
             parameter("n", 4.0, 1.0, 10.0, "principal quantum number"),
             parameter("l", 2.0, 0.0, 9.0, "azimuthal quantum number, below n"),
-            parameter("m", 0.0, -9.0, 9.0, "magnetic quantum number, -l to l; below 0 the sine orbital"),
+            parameter(
+                "m",
+                0.0,
+                -9.0,
+                9.0,
+                "magnetic quantum number, -l to l; below 0 the sine orbital",
+            ),
             parameter(
                 "extent",
                 0.0,
@@ -116,7 +140,10 @@ pub const FIELDS: [FieldInfo; 8] = [
     FieldInfo {
         name: "sphere",
         doc: "linear falloff from the centre; 0.5 on a sphere",
-        parameters: &[parameter("radius", 0.7, 0.0, 10.0, "radius of the sphere"), FALLOFF],
+        parameters: &[
+            parameter("radius", 0.7, 0.0, 10.0, "radius of the sphere"),
+            FALLOFF,
+        ],
     },
     FieldInfo {
         name: "torus",
@@ -130,7 +157,13 @@ pub const FIELDS: [FieldInfo; 8] = [
     FieldInfo {
         name: "gyroid",
         doc: "the gyroid's level function; 0.5 on the surface",
-        parameters: &[parameter("periods", 2.0, 0.0, 100.0, "periods along an edge of the cube")],
+        parameters: &[parameter(
+            "periods",
+            2.0,
+            0.0,
+            100.0,
+            "periods along an edge of the cube",
+        )],
     },
     FieldInfo {
         name: "ramp",
@@ -166,7 +199,8 @@ impl AnalyticField {
     /// [`VolumeError::Field`] where there is no such field or parameter, a parameter is given twice, is not
     /// finite or out of range, or the parameters do not fit each other.
     pub fn by_name(name: &str, params: &[(String, f64)]) -> Result<Self, VolumeError> {
-        let refuse = |cause: String, remedy: String| VolumeError::Field(Trouble::new(cause, remedy));
+        let refuse =
+            |cause: String, remedy: String| VolumeError::Field(Trouble::new(cause, remedy));
         let info = Self::info(name).ok_or_else(|| {
             let remedy = did_you_mean(name, Self::names()).unwrap_or_default();
             refuse(format!("there is no analytic field `{name}`"), remedy)
@@ -175,7 +209,10 @@ impl AnalyticField {
             let names = || info.parameters.iter().map(|parameter| parameter.name);
             let Some(known) = info.parameters.iter().find(|known| known.name == given) else {
                 let remedy = did_you_mean(given, names()).unwrap_or_else(|| list_names(names()));
-                return Err(refuse(format!("`{name}` has no parameter `{given}`"), remedy));
+                return Err(refuse(
+                    format!("`{name}` has no parameter `{given}`"),
+                    remedy,
+                ));
             };
             // A NaN is in no range.
             if !(known.min..=known.max).contains(value) {
@@ -211,12 +248,16 @@ impl AnalyticField {
             ("c60", &[radius, sigma]) => Self::C60(C60::new(radius, sigma)),
             ("hydrogen", &[n, l, m, extent]) => Self::Hydrogen(Hydrogen::new(n, l, m, extent)?),
             ("sphere", &[radius, falloff]) => Self::Sphere(Sphere { radius, falloff }),
-            ("torus", &[major, minor, falloff]) => Self::Torus(Torus { major, minor, falloff }),
+            ("torus", &[major, minor, falloff]) => Self::Torus(Torus {
+                major,
+                minor,
+                falloff,
+            }),
             ("gyroid", &[periods]) => Self::Gyroid(Gyroid { periods }),
-            ("ramp", &[x, y, z]) => Self::Ramp(
-                Ramp::along(DVec3::new(x, y, z))
-                    .ok_or(("the ramp has no direction".into(), "give a direction other than 0"))?,
-            ),
+            ("ramp", &[x, y, z]) => Self::Ramp(Ramp::along(DVec3::new(x, y, z)).ok_or((
+                "the ramp has no direction".into(),
+                "give a direction other than 0",
+            ))?),
             (_, values) => Self::Constant(Constant {
                 value: values.first().copied().unwrap_or(0.5),
             }),
@@ -290,7 +331,11 @@ pub fn voxel_centre(dims: [u32; 3], index: [u32; 3]) -> DVec3 {
 /// # Errors
 /// [`VolumeError::Grid`] where a dimension is 0, [`VolumeError::TooLarge`] where the voxels pass
 /// [`crate::DEFAULT_MAX_BYTES`] or memory.
-pub fn sample(field: &AnalyticField, dims: [u32; 3], ty: ScalarType) -> Result<Volume, VolumeError> {
+pub fn sample(
+    field: &AnalyticField,
+    dims: [u32; 3],
+    ty: ScalarType,
+) -> Result<Volume, VolumeError> {
     let grid = grid(dims);
     grid.check()?;
     let limit = crate::load::Limits::of(&LoadOptions::default()).max_bytes;
@@ -298,7 +343,9 @@ pub fn sample(field: &AnalyticField, dims: [u32; 3], ty: ScalarType) -> Result<V
     let bytes = count.saturating_mul(ty.size() as u64);
     let too_large = || {
         VolumeError::TooLarge(Trouble::new(
-            format!("{count} voxels of {ty} are {bytes} bytes, more than the limit of {limit} or than memory"),
+            format!(
+                "{count} voxels of {ty} are {bytes} bytes, more than the limit of {limit} or than memory"
+            ),
             "ask for fewer voxels",
         ))
     };
@@ -316,12 +363,15 @@ fn fill<T: Element>(field: &AnalyticField, dims: [u32; 3], count: usize) -> Opti
     voxels.try_reserve_exact(count).ok()?;
     voxels.resize(count, T::zeroed());
     let [nx, ny, _] = dims;
-    voxels.par_chunks_mut(nx as usize).enumerate().for_each(|(row, voxels)| {
-        let (y, z) = (row as u64 % u64::from(ny), row as u64 / u64::from(ny));
-        for (x, voxel) in (0_u32..).zip(voxels) {
-            let centre = voxel_centre(dims, [x, y as u32, z as u32]);
-            *voxel = T::from_field(field.value(centre));
-        }
-    });
+    voxels
+        .par_chunks_mut(nx as usize)
+        .enumerate()
+        .for_each(|(row, voxels)| {
+            let (y, z) = (row as u64 % u64::from(ny), row as u64 / u64::from(ny));
+            for (x, voxel) in (0_u32..).zip(voxels) {
+                let centre = voxel_centre(dims, [x, y as u32, z as u32]);
+                *voxel = T::from_field(field.value(centre));
+            }
+        });
     Some(T::wrap(voxels))
 }

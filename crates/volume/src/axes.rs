@@ -34,7 +34,10 @@ impl Axes {
                  `space directions`)",
             )));
         }
-        if let Some(&axis) = spatial.iter().find(|&&axis| u32::try_from(sizes[axis]).is_err()) {
+        if let Some(&axis) = spatial
+            .iter()
+            .find(|&&axis| u32::try_from(sizes[axis]).is_err())
+        {
             return Err(VolumeError::TooLarge(Trouble::new(
                 format!("axis {} has {} samples", axis + 1, sizes[axis]),
                 "give each axis less than 2^32 samples",
@@ -162,23 +165,39 @@ mod tests {
             let voxels = axes.select(values.clone().into(), component);
             (axes.dims(), voxels)
         };
-        let all = |step: u8, from: u8, n: u8| -> Vec<u8> { (0..n).map(|i| from + i * step).collect() };
+        let all =
+            |step: u8, from: u8, n: u8| -> Vec<u8> { (0..n).map(|i| from + i * step).collect() };
         assert_eq!(pick([3, 4, 2], [1, 2], 1), ([4, 2, 1], all(3, 1, 8).into()));
-        assert_eq!(pick([3, 4, 2], [0, 1], 1), ([3, 4, 1], all(1, 12, 12).into()));
+        assert_eq!(
+            pick([3, 4, 2], [0, 1], 1),
+            ([3, 4, 1], all(1, 12, 12).into())
+        );
         assert_eq!(
             pick([3, 4, 2], [0, 2], 2),
             ([3, 2, 1], vec![6_u8, 7, 8, 18, 19, 20].into())
         );
         let two = Axes::new(vec![2, 5, 3], vec![1]).unwrap();
-        assert_eq!(two.select((0..30_u8).collect::<Vec<_>>().into(), 3), vec![11_u8, 13, 15, 17, 19].into());
+        assert_eq!(
+            two.select((0..30_u8).collect::<Vec<_>>().into(), 3),
+            vec![11_u8, 13, 15, 17, 19].into()
+        );
     }
 
     #[test]
     fn a_choice_is_asked_for_and_must_exist() {
         let axes = Axes::new(vec![3, 4, 2], vec![1, 2]).unwrap();
-        let with = |component| LoadOptions { component, ..LoadOptions::default() };
-        assert_eq!(axes.component(&with(None)).unwrap_err().code(), "volume-component");
-        assert_eq!(axes.component(&with(Some(3))).unwrap_err().code(), "volume-component");
+        let with = |component| LoadOptions {
+            component,
+            ..LoadOptions::default()
+        };
+        assert_eq!(
+            axes.component(&with(None)).unwrap_err().code(),
+            "volume-component"
+        );
+        assert_eq!(
+            axes.component(&with(Some(3))).unwrap_err().code(),
+            "volume-component"
+        );
         assert_eq!(axes.component(&with(Some(2))).unwrap(), 2);
     }
 
@@ -199,7 +218,10 @@ mod tests {
     #[test]
     fn padded_axes_complete_a_right_handed_frame() {
         let x = DVec3::new(2.0, 0.0, 0.0);
-        assert_eq!(complete_basis(&[x]), DMat3::from_diagonal(DVec3::splat(2.0)));
+        assert_eq!(
+            complete_basis(&[x]),
+            DMat3::from_diagonal(DVec3::splat(2.0))
+        );
         let y = DVec3::new(0.0, 0.0, 5.0);
         assert_eq!(complete_basis(&[x, y]).z_axis, DVec3::new(0.0, -2.0, 0.0));
         for axis in [DVec3::Y, DVec3::NEG_Z, DVec3::ONE] {

@@ -52,7 +52,10 @@ impl DataFiles {
         };
         let (first, last, step) = (i128::from(first), i128::from(last), i128::from(step));
         if step == 0 || (last - first).signum() * step.signum() < 0 {
-            return Err(field.bad(format!("a step of {step} does not lead from {first} to {last}"), remedy));
+            return Err(field.bad(
+                format!("a step of {step} does not lead from {first} to {last}"),
+                remedy,
+            ));
         }
         let count = (last - first) / step + 1;
         if count > MOST_FILES {
@@ -92,7 +95,11 @@ impl<'a> NumberFormat<'a> {
         let digits = rest.bytes().take_while(u8::is_ascii_digit).count();
         let (number, rest) = rest.split_at(digits);
         let after = rest.strip_prefix(['d', 'i', 'u'])?;
-        let width = if number.is_empty() { 0 } else { number.parse().ok()? };
+        let width = if number.is_empty() {
+            0
+        } else {
+            number.parse().ok()?
+        };
         // No second conversion, and no width that makes endless names.
         (!after.contains('%') && width <= 64).then_some(Self {
             before,
@@ -137,8 +144,14 @@ mod tests {
     fn names_lists_and_series() {
         assert_eq!(parse("my data.raw", &[]).unwrap(), ["my data.raw"]);
         assert_eq!(parse("LIST 2", &["a", "b"]).unwrap(), ["a", "b"]);
-        assert_eq!(parse("s%03d.raw 8 10 1 2", &[]).unwrap(), ["s008.raw", "s009.raw", "s010.raw"]);
-        assert_eq!(parse("s%d.raw 3 1 -1", &[]).unwrap(), ["s3.raw", "s2.raw", "s1.raw"]);
+        assert_eq!(
+            parse("s%03d.raw 8 10 1 2", &[]).unwrap(),
+            ["s008.raw", "s009.raw", "s010.raw"]
+        );
+        assert_eq!(
+            parse("s%d.raw 3 1 -1", &[]).unwrap(),
+            ["s3.raw", "s2.raw", "s1.raw"]
+        );
         for bad in [
             "",
             "LIST",

@@ -16,7 +16,10 @@ pub(crate) struct Field {
     pub line: u32,
 }
 
-/// All fields of a header, each key once.
+/// Most warnings about one header; a file of nothing but unknown lines needs no more.
+const MOST_WARNINGS: usize = 20;
+
+/// The fields of a header that are read, each key once. Callers add no others, so that it stays short.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Fields(Vec<Field>);
 
@@ -25,7 +28,10 @@ impl Fields {
     pub fn push(&mut self, field: Field) -> Result<(), VolumeError> {
         if let Some(first) = self.get(&field.key) {
             return Err(VolumeError::HeaderSyntax(Trouble::new(
-                format!("`{}` is said twice, first on line {}", field.key, first.line),
+                format!(
+                    "`{}` is said twice, first on line {}",
+                    field.key, first.line
+                ),
                 "keep one of the two lines",
             ))
             .on_line(field.line));
@@ -36,10 +42,6 @@ impl Fields {
 
     pub fn get(&self, key: &str) -> Option<&Field> {
         self.0.iter().find(|field| field.key == key)
-    }
-
-    pub fn iter(&self) -> impl Iterator<Item = &Field> {
-        self.0.iter()
     }
 
     pub fn require(&self, key: &str) -> Result<&Field, VolumeError> {
@@ -55,14 +57,21 @@ impl Fields {
 impl Field {
     pub fn bad(&self, cause: impl std::fmt::Display, remedy: impl Into<String>) -> VolumeError {
         let value: String = self.value.chars().take(60).collect();
-        VolumeError::BadValue(Trouble::new(format!("`{}` is {value:?}: {cause}", self.key), remedy))
-            .on_line(self.line)
+        VolumeError::BadValue(Trouble::new(
+            format!("`{}` is {value:?}: {cause}", self.key),
+            remedy,
+        ))
+        .on_line(self.line)
     }
 
     /// The only number in the field.
     pub fn number<T: FromStr>(&self) -> Result<T, VolumeError> {
-        parse_number(&self.value)
-            .ok_or_else(|| self.bad("that is no number of the range it needs", "write one number"))
+        parse_number(&self.value).ok_or_else(|| {
+            self.bad(
+                "that is no number of the range it needs",
+                "write one number",
+            )
+        })
     }
 
     /// Exactly `count` numbers between blanks.
@@ -105,8 +114,8 @@ impl Field {
                     .split_once(')')
                     .ok_or_else(|| self.bad("a parenthesis is not closed", remedy))?;
                 let numbers: Option<Vec<f64>> = vector.split(',').map(parse_number).collect();
-                let numbers = numbers
-                    .ok_or_else(|| self.bad(format!("({vector}) is no vector"), remedy))?;
+                let numbers =
+                    numbers.ok_or_else(|| self.bad(format!("({vector}) is no vector"), remedy))?;
                 let nothing = numbers.iter().all(|number| number.is_nan());
                 vectors.push((!nothing).then_some(numbers));
                 rest = after.trim_start();
@@ -152,6 +161,29 @@ pub(crate) fn lines(bytes: &[u8]) -> impl Iterator<Item = (&[u8], usize, bool)> 
     })
 }
 
+/// Warns of a key that means nothing here, with the known one that it nearly is; `must_be_near` keeps quiet
+/// where there is none.
+pub(crate) fn warn_unknown(
+    warnings: &mut Vec<String>,
+    field: &Field,
+    known: &[&'static str],
+    must_be_near: bool,
+) {
+    // Long keys are nobody's typing errors, and measuring how near they are is slow.
+    if warnings.len() >= MOST_WARNINGS || field.key.len() > 60 {
+        return;
+    }
+    let near = volgraph_report::did_you_mean(&field.key, known.iter().copied());
+    let near = near.filter(|hint| hint.starts_with("did") && field.key.len() > 3);
+    if near.is_some() || !must_be_near {
+        let hint = near.map(|hint| format!("; {hint}")).unwrap_or_default();
+        warnings.push(format!(
+            "line {}: `{}` means nothing here{hint}",
+            field.line, field.key
+        ));
+    }
+}
+
 /// "Too long to be a header".
 pub(crate) fn endless_header() -> VolumeError {
     VolumeError::HeaderSyntax(Trouble::new(
@@ -174,14 +206,25 @@ mod tests {
 
     #[test]
     fn vectors_may_hold_blanks_and_none() {
-        let vectors = field(" (1, 0,0) none (nan,nan,nan)(0,-2e1,0)").vectors().unwrap();
+        let vectors = field(" (1, 0,0) none (nan,nan,nan)(0,-2e1,0)")
+            .vectors()
+            .unwrap();
         assert_eq!(
             vectors,
-            [Some(vec![1.0, 0.0, 0.0]), None, None, Some(vec![0.0, -20.0, 0.0])]
+            [
+                Some(vec![1.0, 0.0, 0.0]),
+                None,
+                None,
+                Some(vec![0.0, -20.0, 0.0])
+            ]
         );
         for bad in ["(1,0", "(1,,0)", "(a)", "x", "()", "1,0,0"] {
             let error = field(bad).vectors().unwrap_err();
-            assert_eq!((error.code(), error.trouble().line), ("volume-bad-value", 7), "{bad}");
+            assert_eq!(
+                (error.code(), error.trouble().line),
+                ("volume-bad-value", 7),
+                "{bad}"
+            );
         }
     }
 
@@ -198,7 +241,11 @@ mod tests {
         let all: Vec<_> = lines(b"a\r\n\nb").collect();
         assert_eq!(
             all,
-            [(&b"a"[..], 3, true), (&b""[..], 4, true), (&b"b"[..], 5, false)]
+            [
+                (&b"a"[..], 3, true),
+                (&b""[..], 4, true),
+                (&b"b"[..], 5, false)
+            ]
         );
     }
 }

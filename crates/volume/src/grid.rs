@@ -40,7 +40,8 @@ impl Grid {
     /// # Errors
     /// [`VolumeError::Grid`] where a dimension is 0, or the map is not finite or singular.
     pub fn check(&self) -> Result<(), VolumeError> {
-        let refuse = |cause: String, remedy: &str| Err(VolumeError::Grid(Trouble::new(cause, remedy)));
+        let refuse =
+            |cause: String, remedy: &str| Err(VolumeError::Grid(Trouble::new(cause, remedy)));
         let [nx, ny, nz] = self.dims;
         if self.dims.contains(&0) {
             return refuse(
@@ -51,7 +52,10 @@ impl Grid {
         let spacing = self.spacing();
         if !self.world_from_index.is_finite() || !spacing.is_finite() {
             return refuse(
-                format!("the placement is not finite: spacing {spacing}, origin {}", self.origin()),
+                format!(
+                    "the placement is not finite: spacing {spacing}, origin {}",
+                    self.origin()
+                ),
                 "give finite spacing, directions and origin",
             );
         }
@@ -68,8 +72,7 @@ impl Grid {
             matrix.z_axis / spacing.z,
         );
         let determinant = unit.determinant().abs();
-        // Not `<`, so that a NaN is refused too.
-        if !(determinant >= SMALLEST_DETERMINANT) {
+        if determinant.is_nan() || determinant < SMALLEST_DETERMINANT {
             return refuse(
                 format!("the axes {unit} lie in one plane (determinant {determinant:e})"),
                 "give three independent directions",
@@ -156,13 +159,20 @@ mod tests {
     use super::*;
 
     fn grid() -> Grid {
-        Grid::axis_aligned([4, 3, 1], DVec3::new(2.0, 3.0, 4.0), DVec3::new(10.0, 20.0, 30.0))
+        Grid::axis_aligned(
+            [4, 3, 1],
+            DVec3::new(2.0, 3.0, 4.0),
+            DVec3::new(10.0, 20.0, 30.0),
+        )
     }
 
     #[test]
     fn boxes_span_whole_voxels_or_centre_to_centre() {
         let mut grid = grid();
-        assert_eq!(grid.box_index(), (DVec3::splat(-0.5), DVec3::new(3.5, 2.5, 0.5)));
+        assert_eq!(
+            grid.box_index(),
+            (DVec3::splat(-0.5), DVec3::new(3.5, 2.5, 0.5))
+        );
         assert_eq!(grid.corners_world()[0], DVec3::new(9.0, 18.5, 28.0));
         assert_eq!(grid.corners_world()[7], DVec3::new(17.0, 27.5, 32.0));
         assert_eq!(grid.corners_world()[1], DVec3::new(17.0, 18.5, 28.0));
@@ -190,7 +200,11 @@ mod tests {
         assert!(grid().check().is_ok());
         for spacing in [f64::NAN, f64::INFINITY, 0.0, 1e300, 1e-300] {
             let broken = grid().with_placement(Some(DVec3::new(1.0, spacing, 1.0)), None);
-            assert_eq!(broken.check().unwrap_err().code(), "volume-grid", "{spacing}");
+            assert_eq!(
+                broken.check().unwrap_err().code(),
+                "volume-grid",
+                "{spacing}"
+            );
         }
         let mut flat = grid();
         flat.world_from_index.matrix3.z_axis = DVec3::new(1.0, 1.0, 0.0);

@@ -42,7 +42,9 @@ impl<'a> Input<'a> {
         };
         if self.bytes.is_some() {
             return Err(refuse(
-                format!("the header names the data file {name:?}, and only bytes in memory are at hand"),
+                format!(
+                    "the header names the data file {name:?}, and only bytes in memory are at hand"
+                ),
                 "load the header from its file, or attach the data to it".into(),
             ));
         }
@@ -68,7 +70,8 @@ impl<'a> Input<'a> {
     }
 
     fn regular(path: &Path) -> Result<Self, String> {
-        let metadata = std::fs::metadata(path).map_err(|error| format!("cannot be read: {error}"))?;
+        let metadata =
+            std::fs::metadata(path).map_err(|error| format!("cannot be read: {error}"))?;
         if metadata.is_dir() {
             return Err("is a folder, not a file".into());
         }
@@ -85,7 +88,9 @@ impl<'a> Input<'a> {
     /// The bytes from `offset` on.
     pub fn open(&self, offset: u64) -> Result<Box<dyn BufRead + 'a>, VolumeError> {
         if let Some(bytes) = self.bytes {
-            let start = usize::try_from(offset).unwrap_or(usize::MAX).min(bytes.len());
+            let start = usize::try_from(offset)
+                .unwrap_or(usize::MAX)
+                .min(bytes.len());
             return Ok(Box::new(&bytes[start..]));
         }
         let open = || -> io::Result<File> {

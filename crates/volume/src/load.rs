@@ -98,7 +98,10 @@ impl LoadOptions {
 
     /// The grid with the placement that the options ask for, checked.
     pub(crate) fn place(&self, mut grid: Grid) -> Result<Grid, VolumeError> {
-        if let Some(spacing) = self.spacing.filter(|s| !(s.is_finite() && s.min_element() > 0.0)) {
+        if let Some(spacing) = self
+            .spacing
+            .filter(|s| !(s.is_finite() && s.min_element() > 0.0))
+        {
             return Err(VolumeError::Option(Trouble::new(
                 format!("the options ask for a spacing of {spacing}"),
                 "give three positive lengths",
@@ -136,14 +139,23 @@ impl Volume {
     ///
     /// # Errors
     /// As [`Volume::load`].
-    pub fn from_bytes(name: &str, bytes: &[u8], options: &LoadOptions) -> Result<Self, VolumeError> {
+    pub fn from_bytes(
+        name: &str,
+        bytes: &[u8],
+        options: &LoadOptions,
+    ) -> Result<Self, VolumeError> {
         Self::read(&Input::memory(name, bytes), options)
     }
 
     fn read(input: &Input<'_>, options: &LoadOptions) -> Result<Self, VolumeError> {
         let loaded = Self::read_parts(input, options).map_err(|e| e.in_file(&input.path))?;
         let mut files = vec![input.path.clone()];
-        files.extend(loaded.data_files.into_iter().filter(|file| *file != input.path));
+        files.extend(
+            loaded
+                .data_files
+                .into_iter()
+                .filter(|file| *file != input.path),
+        );
         let volume = Self::new(loaded.name, loaded.grid, loaded.voxels);
         let volume = volume.map_err(|error| error.in_file(&input.path))?;
         let warnings = loaded.warnings.iter();
@@ -161,7 +173,9 @@ impl Volume {
         }
         let looks_like = sniff(&head);
         let name = input.path.file_name().unwrap_or_default().to_string_lossy();
-        let ending = name.rsplit_once('.').map(|(_, ending)| ending.to_ascii_lowercase());
+        let ending = name
+            .rsplit_once('.')
+            .map(|(_, ending)| ending.to_ascii_lowercase());
         let promised = match ending.as_deref() {
             Some("nrrd" | "nhdr") => Some("an NRRD file (which begins with NRRD000)"),
             Some("mha" | "mhd") => Some("a MetaImage file (which begins with ObjectType or NDims)"),

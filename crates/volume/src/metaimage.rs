@@ -6,16 +6,21 @@
 //! the first axis, then of the second, then of the third: its rows are the columns of the direction matrix. A
 //! negative spacing turns its axis round. Channels and axes past the third are components.
 
-use glam::{DAffine3, DVec3};
+mod placement;
 
-use crate::axes::{Axes, complete_basis};
+use glam::DAffine3;
+
+use crate::axes::Axes;
 use crate::data_files::DataFiles;
 use crate::error::Trouble;
-use crate::fields::{Field, Fields, LONGEST_HEADER, endless_header, lines, text_line};
+use crate::fields::{
+    Field, Fields, LONGEST_HEADER, endless_header, lines, text_line, warn_unknown,
+};
 use crate::input::Input;
 use crate::load::{Limits, LoadOptions, Loaded};
+use crate::piece::{Encoding, Piece};
 use crate::raw::unknown_type;
-use crate::stream::{Encoding, Job, Piece};
+use crate::stream::Job;
 use crate::{Grid, ScalarType, VolumeError};
 
 /// Keys that are read, in the spelling of the format. Others are the writer's own and mean nothing here.
@@ -43,6 +48,9 @@ const KEYS: [&str; 22] = [
     "ElementToIntensityFunctionSlope",
     "ElementToIntensityFunctionOffset",
 ];
+
+/// Keys of the format that say nothing about voxels, and that are near to some that do.
+const FOREIGN: [&str; 4] = ["ElementMin", "ElementMax", "ObjectSubType", "DistanceUnits"];
 
 /// A header, its values checked one by one but not yet against the data.
 #[derive(Debug)]
@@ -102,10 +110,11 @@ pub fn parse_header(bytes: &[u8]) -> Result<Header, VolumeError> {
         let field = parse_line(line, number)?;
         let last = field.key == "ElementDataFile";
         let list = last && field.value.split_whitespace().next() == Some("LIST");
-        if let Some(hint) = misspelt(&field.key) {
-            warnings.push(format!("line {number}: `{}` was passed over; {hint}", field.key));
+        if KEYS.contains(&field.key.as_str()) {
+            fields.push(field)?;
+        } else if !FOREIGN.contains(&field.key.as_str()) {
+            warn_unknown(&mut warnings, &field, &KEYS, true);
         }
-        fields.push(field)?;
         if last {
             data_offset = after as u64;
             if !list {
@@ -123,14 +132,17 @@ pub fn parse_header(bytes: &[u8]) -> Result<Header, VolumeError> {
 }
 
 fn parse_line(line: &[u8], number: u32) -> Result<Field, VolumeError> {
-    let at = line.iter().position(|&byte| byte == b'=' || byte == b':').ok_or_else(|| {
-        let start: String = String::from_utf8_lossy(line).chars().take(40).collect();
-        VolumeError::HeaderSyntax(Trouble::new(
-            format!("the line {start:?} is no field"),
-            "write `Key = Value`, and end the header with `ElementDataFile = ...`",
-        ))
-        .on_line(number)
-    })?;
+    let at = line
+        .iter()
+        .position(|&byte| byte == b'=' || byte == b':')
+        .ok_or_else(|| {
+            let start: String = String::from_utf8_lossy(line).chars().take(40).collect();
+            VolumeError::HeaderSyntax(Trouble::new(
+                format!("the line {start:?} is no field"),
+                "write `Key = Value`, and end the header with `ElementDataFile = ...`",
+            ))
+            .on_line(number)
+        })?;
     let key = text_line(line[..at].trim_ascii(), number)?.to_owned();
     let value = &line[at + 1..];
     // A value that is not read may be in any encoding.
@@ -139,16 +151,11 @@ fn parse_line(line: &[u8], number: u32) -> Result<Field, VolumeError> {
     } else {
         String::new()
     };
-    Ok(Field { key, value, line: number })
-}
-
-/// The key that an unknown one nearly is.
-fn misspelt(key: &str) -> Option<String> {
-    if KEYS.contains(&key) || ["ElementMin", "ElementMax", "Color", "ID", "Name"].contains(&key) {
-        return None;
-    }
-    let near = |hint: &String| hint.starts_with("did") && key.len() > 4;
-    volgraph_report::did_you_mean(key, KEYS).filter(near)
+    Ok(Field {
+        key,
+        value,
+        line: number,
+    })
 }
 
 impl Header {
@@ -158,7 +165,10 @@ impl Header {
         data_offset: u64,
         mut warnings: Vec<String>,
     ) -> Result<Self, VolumeError> {
-        if let Some(field) = fields.get("ObjectType").filter(|field| field.value != "Image") {
+        if let Some(field) = fields
+            .get("ObjectType")
+            .filter(|field| field.value != "Image")
+        {
             return Err(VolumeError::Unsupported(Trouble::new(
                 format!("the object is a {:?}, not an Image", field.value),
                 "give a MetaImage file",
@@ -173,7 +183,10 @@ impl Header {
         let sizes = fields.require("DimSize")?;
         let type_field = fields.require("ElementType")?;
         // An array of a type is its elements, channel by channel.
-        let type_name = type_field.value.strip_suffix("_ARRAY").unwrap_or(&type_field.value);
+        let type_name = type_field
+            .value
+            .strip_suffix("_ARRAY")
+            .unwrap_or(&type_field.value);
         let scalar_type = ScalarType::parse(type_name)
             .filter(|_| type_name.starts_with("MET_"))
             .ok_or_else(|| unknown_type(&type_field.value).on_line(type_field.line))?;
@@ -182,13 +195,22 @@ impl Header {
             "LOCAL" | "Local" | "local" => DataFiles::Attached,
             _ => DataFiles::parse(data, listed)?,
         };
-        for key in ["ElementToIntensityFunctionSlope", "ElementToIntensityFunctionOffset"] {
+        for key in [
+            "ElementToIntensityFunctionSlope",
+            "ElementToIntensityFunctionOffset",
+        ] {
             let neutral = if key.ends_with("Slope") { 1.0 } else { 0.0 };
-            if let Some(field) = fields.get(key).filter(|field| field.number() != Ok(neutral)) {
-                warnings.push(format!("line {}: `{key}` is not applied to the voxels", field.line));
+            if let Some(field) = fields
+                .get(key)
+                .filter(|field| field.number() != Ok(neutral))
+            {
+                warnings.push(format!(
+                    "line {}: `{key}` is not applied to the voxels",
+                    field.line
+                ));
             }
         }
-        let (world_from_index, placement_line) = placement(fields, axes)?;
+        let (world_from_index, placement_line) = placement::world_from_index(fields, axes)?;
         let flag = |key: &str| fields.get(key).map_or(Ok(false), boolean);
         let binary = fields.get("BinaryData").map_or(Ok(true), boolean)?;
         let compressed = flag("CompressedData")?;
@@ -204,15 +226,20 @@ impl Header {
             }
         };
         let size = fields.get("CompressedDataSize").filter(|_| compressed);
-        let compressed_size = size.map(Field::number::<u64>).transpose()?.filter(|&size| size > 0);
-        let header_size = fields.get("HeaderSize").map_or(Ok(0), Field::number::<i64>)?;
-        if let Some(field) = fields.get("HeaderSize") {
-            if header_size < -1 || (header_size == -1 && encoding != Encoding::Raw) {
-                return Err(field.bad(
-                    "that is neither a number of bytes nor the -1 of plain data",
-                    "write the bytes before the data, or -1",
-                ));
-            }
+        let compressed_size = size
+            .map(Field::number::<u64>)
+            .transpose()?
+            .filter(|&size| size > 0);
+        let header_size = fields
+            .get("HeaderSize")
+            .map_or(Ok(0), Field::number::<i64>)?;
+        if let Some(field) = fields.get("HeaderSize")
+            && (header_size < -1 || (header_size == -1 && encoding != Encoding::Raw))
+        {
+            return Err(field.bad(
+                "that is neither a number of bytes nor the -1 of plain data",
+                "write the bytes before the data, or -1",
+            ));
         }
         Ok(Self {
             scalar_type,
@@ -246,45 +273,6 @@ fn boolean(field: &Field) -> Result<bool, VolumeError> {
     }
 }
 
-/// World from index and the line to blame. A key that comes in several spellings may stand once.
-fn placement(fields: &Fields, axes: usize) -> Result<(DAffine3, u32), VolumeError> {
-    let one_of = |keys: &[&str]| -> Result<Option<&Field>, VolumeError> {
-        let mut found = keys.iter().filter_map(|key| fields.get(key));
-        match (found.next(), found.next()) {
-            (Some(first), Some(second)) if first.value != second.value => Err(second.bad(
-                format!("`{}` on line {} says otherwise", first.key, first.line),
-                "keep one of the two",
-            )),
-            (first, _) => Ok(first),
-        }
-    };
-    let spatial = axes.min(3);
-    let vector = |numbers: &[f64]| {
-        let mut vector = [0.0; 3];
-        vector[..spatial].copy_from_slice(&numbers[..spatial]);
-        DVec3::from_array(vector)
-    };
-    // ITK takes ElementSize, the extent of a voxel, where no ElementSpacing is said.
-    let spacing = fields.get("ElementSpacing").or(fields.get("ElementSize"));
-    let spacings = spacing.map_or(Ok(vec![1.0; axes]), |field| field.numbers::<f64>(axes))?;
-    let rotation = one_of(&["TransformMatrix", "Rotation", "Orientation"])?;
-    let matrix = rotation.map(|field| field.numbers::<f64>(axes * axes)).transpose()?;
-    let offset = one_of(&["Offset", "Position", "Origin"])?;
-    let origin = offset.map_or(Ok(vec![0.0; axes]), |field| field.numbers::<f64>(axes))?;
-    let columns: Vec<DVec3> = (0..spatial)
-        .map(|axis| match &matrix {
-            Some(matrix) => vector(&matrix[axis * axes..]) * spacings[axis],
-            None => DVec3::AXES[axis] * spacings[axis],
-        })
-        .collect();
-    let line = rotation.or(spacing).or(offset).map_or(0, |field| field.line);
-    let world_from_index = DAffine3 {
-        matrix3: complete_basis(&columns),
-        translation: vector(&origin),
-    };
-    Ok((world_from_index, line))
-}
-
 pub(crate) fn load(input: &Input<'_>, options: &LoadOptions) -> Result<Loaded, VolumeError> {
     let head = input.head(LONGEST_HEADER)?;
     let header = parse_header(&head)?;
@@ -297,17 +285,22 @@ pub(crate) fn load(input: &Input<'_>, options: &LoadOptions) -> Result<Loaded, V
     if channel_axes == 1 {
         sizes.insert(0, header.channels);
     }
-    let spatial = (0..header.sizes.len().min(3)).map(|axis| axis + channel_axes).collect();
+    let spatial = (0..header.sizes.len().min(3))
+        .map(|axis| axis + channel_axes)
+        .collect();
     let axes = Axes::new(sizes, spatial).map_err(on_sizes)?;
     let count = axes.count().map_err(on_sizes)?;
-    options.agree(axes.dims(), header.scalar_type).map_err(on_sizes)?;
+    options
+        .agree(axes.dims(), header.scalar_type)
+        .map_err(on_sizes)?;
     let component = axes.component(options).map_err(on_sizes)?;
     let grid = Grid {
         dims: axes.dims(),
         world_from_index: header.world_from_index,
         node_centred: false,
     };
-    grid.check().map_err(|error| error.on_line(header.placement_line))?;
+    grid.check()
+        .map_err(|error| error.on_line(header.placement_line))?;
     let grid = options.place(grid)?;
     let inputs = header.data_files.inputs(input)?;
     if count % inputs.len() as u64 != 0 {
@@ -327,6 +320,7 @@ pub(crate) fn load(input: &Input<'_>, options: &LoadOptions) -> Result<Loaded, V
                 line_skip: 0,
                 byte_skip,
                 encoding: header.encoding,
+                line_end: true,
                 encoded_len: header.compressed_size,
             })
             .collect(),
@@ -340,7 +334,11 @@ pub(crate) fn load(input: &Input<'_>, options: &LoadOptions) -> Result<Loaded, V
         name: crate::volume::stem(&input.path),
         grid,
         voxels: axes.select(voxels, component),
-        data_files: job.pieces.into_iter().map(|piece| piece.input.path).collect(),
+        data_files: job
+            .pieces
+            .into_iter()
+            .map(|piece| piece.input.path)
+            .collect(),
         warnings: header.warnings,
     })
 }
@@ -353,7 +351,10 @@ fn data_start(header: &Header) -> Result<(u64, i64), VolumeError> {
         Err(_) => Ok((if local { header.data_offset } else { 0 }, -1)),
         Ok(0) if local => Ok((header.data_offset, 0)),
         Ok(size) if local && size < header.data_offset => Err(VolumeError::BadValue(Trouble::new(
-            format!("`HeaderSize` is {size}, and the header itself has {} bytes", header.data_offset),
+            format!(
+                "`HeaderSize` is {size}, and the header itself has {} bytes",
+                header.data_offset
+            ),
             "leave HeaderSize out of a local file",
         ))),
         // Passed over before decompression, as the file says: the stream begins behind it.

@@ -11,11 +11,14 @@ mod placement;
 use crate::axes::Axes;
 use crate::data_files::DataFiles;
 use crate::error::Trouble;
-use crate::fields::{Field, Fields, LONGEST_HEADER, endless_header, lines, text_line};
+use crate::fields::{
+    Field, Fields, LONGEST_HEADER, endless_header, lines, text_line, warn_unknown,
+};
 use crate::input::Input;
 use crate::load::{Limits, LoadOptions, Loaded};
+use crate::piece::{Encoding, Piece};
 use crate::raw::unknown_type;
-use crate::stream::{Encoding, Job, Piece};
+use crate::stream::Job;
 use crate::{ScalarType, VolumeError};
 
 /// Fields that the format has and that say nothing about where or what the voxels are.
@@ -35,7 +38,7 @@ const IGNORED: [&str; 12] = [
 ];
 
 /// Fields that are read.
-const READ: [&str; 19] = [
+const READ: [&str; 18] = [
     "axis maxs",
     "axis mins",
     "byte skip",
@@ -54,7 +57,6 @@ const READ: [&str; 19] = [
     "spacings",
     "thicknesses",
     "type",
-    "version",
 ];
 
 /// A header, its values checked one by one but not yet against each other or the data.
@@ -125,18 +127,19 @@ pub fn parse_header(bytes: &[u8]) -> Result<Header, VolumeError> {
         let key = field.key.as_str();
         if READ.contains(&key) {
             in_list = key == "data file" && is_list(&field.value);
+            fields.push(field)?;
         } else if !IGNORED.contains(&key) {
-            let hint = volgraph_report::did_you_mean(key, READ).filter(|hint| hint.starts_with("did"));
-            let hint = hint.map(|hint| format!("; {hint}")).unwrap_or_default();
-            warnings.push(format!("line {number}: `{key}` is no NRRD field and was passed over{hint}"));
+            warn_unknown(&mut warnings, &field, &READ, false);
         }
-        fields.push(field)?;
     }
     Header::of(version, fields, listed, data_offset, warnings)
 }
 
 fn is_list(value: &str) -> bool {
-    value.split_whitespace().next().is_some_and(|word| word.eq_ignore_ascii_case("list"))
+    value
+        .split_whitespace()
+        .next()
+        .is_some_and(|word| word.eq_ignore_ascii_case("list"))
 }
 
 /// The field of a line; `None` for comments and `key:=value` pairs, which may hold any bytes.
@@ -159,7 +162,11 @@ fn parse_line(line: &[u8], number: u32) -> Result<Option<Field>, VolumeError> {
     } else {
         text_line(&line[colon + 1..], number)?.trim().to_owned()
     };
-    Ok(Some(Field { key, value, line: number }))
+    Ok(Some(Field {
+        key,
+        value,
+        line: number,
+    }))
 }
 
 /// The one spelling of a field's name.
@@ -196,13 +203,16 @@ impl Header {
             return Err(dimension.bad("a file has 1 to 16 axes", "correct the dimension"));
         }
         let encoding = parse_encoding(fields.require("encoding")?)?;
-        let number_or = |key: &str, default: i64| fields.get(key).map_or(Ok(default), Field::number);
-        let line_skip = fields.get("line skip").map_or(Ok(0), Field::number::<u64>)?;
+        let number_or =
+            |key: &str, default: i64| fields.get(key).map_or(Ok(default), Field::number);
+        let line_skip = fields
+            .get("line skip")
+            .map_or(Ok(0), Field::number::<u64>)?;
         let byte_skip = number_or("byte skip", 0)?;
-        if let Some(field) = fields.get("byte skip").filter(|_| byte_skip < 0) {
-            if matches!(encoding, Encoding::Text | Encoding::Hex) {
-                return Err(field.bad("text has no bytes to count from its end", "use a line skip"));
-            }
+        if let Some(field) = fields.get("byte skip").filter(|_| byte_skip < 0)
+            && matches!(encoding, Encoding::Text | Encoding::Hex)
+        {
+            return Err(field.bad("text has no bytes to count from its end", "use a line skip"));
         }
         let data_files = match fields.get("data file") {
             Some(field) => DataFiles::parse(field, listed)?,
@@ -230,7 +240,10 @@ impl Header {
         }
         self.big_endian.ok_or_else(|| {
             VolumeError::MissingField(Trouble::new(
-                format!("the header has no `endian`, and {} has two byte orders", self.scalar_type),
+                format!(
+                    "the header has no `endian`, and {} has two byte orders",
+                    self.scalar_type
+                ),
                 "add `endian: little` or `endian: big`",
             ))
         })
@@ -284,7 +297,9 @@ pub(crate) fn load(input: &Input<'_>, options: &LoadOptions) -> Result<Loaded, V
     let spatial = placement::spatial_axes(&header)?;
     let axes = Axes::new(header.sizes.clone(), spatial.clone()).map_err(on_sizes)?;
     let count = axes.count().map_err(on_sizes)?;
-    options.agree(axes.dims(), header.scalar_type).map_err(on_sizes)?;
+    options
+        .agree(axes.dims(), header.scalar_type)
+        .map_err(on_sizes)?;
     let component = axes.component(options).map_err(on_sizes)?;
     let mut warnings = std::mem::take(&mut header.warnings);
     let grid = placement::grid(&header, &spatial, axes.dims(), &mut warnings)?;
@@ -308,6 +323,7 @@ pub(crate) fn load(input: &Input<'_>, options: &LoadOptions) -> Result<Loaded, V
                 line_skip: header.line_skip,
                 byte_skip: header.byte_skip,
                 encoding: header.encoding,
+                line_end: true,
                 encoded_len: None,
             })
             .collect(),
@@ -321,7 +337,11 @@ pub(crate) fn load(input: &Input<'_>, options: &LoadOptions) -> Result<Loaded, V
         name: crate::volume::stem(&input.path),
         grid,
         voxels: axes.select(voxels, component),
-        data_files: job.pieces.into_iter().map(|piece| piece.input.path).collect(),
+        data_files: job
+            .pieces
+            .into_iter()
+            .map(|piece| piece.input.path)
+            .collect(),
         warnings,
     })
 }

@@ -8,7 +8,8 @@ use volgraph_report::{did_you_mean, list_names};
 use crate::error::Trouble;
 use crate::input::Input;
 use crate::load::{Limits, Loaded};
-use crate::stream::{Encoding, Job, Piece};
+use crate::piece::{Encoding, Piece};
+use crate::stream::Job;
 use crate::{Grid, LoadOptions, ScalarType, VolumeError};
 
 use glam::DVec3;
@@ -43,7 +44,11 @@ pub fn parse_raw_name(file_name: &str) -> Result<RawName, VolumeError> {
         Some((rest, order)) if order.eq_ignore_ascii_case("le") => (rest, Some(false)),
         _ => (stem, None),
     };
-    let missing = || no_shape(format!("the name {base:?} does not tell dimensions and type"));
+    let missing = || {
+        no_shape(format!(
+            "the name {base:?} does not tell dimensions and type"
+        ))
+    };
     let (rest, type_name) = stem.rsplit_once('_').ok_or_else(missing)?;
     let (name, dims) = rest.rsplit_once('_').unwrap_or(("", rest));
     let numbers: Vec<&str> = dims.split(['x', 'X']).collect();
@@ -58,7 +63,9 @@ pub fn parse_raw_name(file_name: &str) -> Result<RawName, VolumeError> {
         return Err(missing());
     };
     let (Ok(x), Ok(y), Ok(z)) = (x, y, z) else {
-        return Err(no_shape(format!("the dimensions {dims:?} in the name {base:?} are too large")));
+        return Err(no_shape(format!(
+            "the dimensions {dims:?} in the name {base:?} are too large"
+        )));
     };
     let scalar_type = ScalarType::parse(type_name).ok_or_else(|| unknown_type(type_name))?;
     Ok(RawName {
@@ -106,12 +113,10 @@ pub(crate) fn load(
 ) -> Result<Loaded, VolumeError> {
     let parsed = parse_raw_name(name);
     let said = parsed.as_ref().ok();
-    let (dims, scalar_type) = match (
-        options.dims.or(said.map(|raw| raw.dims)),
-        options.scalar_type.or(said.map(|raw| raw.scalar_type)),
-    ) {
-        (Some(dims), Some(scalar_type)) => (dims, scalar_type),
-        _ => return Err(parsed.err().unwrap_or_else(|| unknown_type(""))),
+    let dims = options.dims.or(said.map(|raw| raw.dims));
+    let scalar_type = options.scalar_type.or(said.map(|raw| raw.scalar_type));
+    let (Some(dims), Some(scalar_type)) = (dims, scalar_type) else {
+        return Err(parsed.err().unwrap_or_else(|| unknown_type("")));
     };
     if options.big_endian && said.and_then(|raw| raw.big_endian) == Some(false) {
         return Err(VolumeError::Option(Trouble::new(
@@ -137,7 +142,12 @@ pub(crate) fn load(
             start: 0,
             line_skip: 0,
             byte_skip: 0,
-            encoding: if packed { Encoding::Gzip } else { Encoding::Raw },
+            encoding: if packed {
+                Encoding::Gzip
+            } else {
+                Encoding::Raw
+            },
+            line_end: false,
             encoded_len: None,
         }],
         scalar_type,
@@ -175,7 +185,10 @@ mod tests {
                 big_endian: None
             }
         );
-        assert_eq!(parse_raw_name("x_1x2x3_float_BE.RAW").unwrap().big_endian, Some(true));
+        assert_eq!(
+            parse_raw_name("x_1x2x3_float_BE.RAW").unwrap().big_endian,
+            Some(true)
+        );
         assert_eq!(parse_raw_name("1x2x3_int8_le.bin").unwrap().name, "volume");
     }
 

@@ -119,14 +119,18 @@ enum Ranks {
 impl Statistics {
     pub(crate) fn of(voxels: &Voxels) -> Self {
         match voxels {
-            Voxels::U8(values) => Self::of_counts(values, |v| v.into(), |i| i as f64),
-            Voxels::I8(values) => {
-                Self::of_counts(values, |v| (i16::from(v) + 128) as usize, |i| i as f64 - 128.0)
-            }
-            Voxels::U16(values) => Self::of_counts(values, |v| v.into(), |i| i as f64),
-            Voxels::I16(values) => {
-                Self::of_counts(values, |v| (i32::from(v) + 32768) as usize, |i| i as f64 - 32768.0)
-            }
+            Voxels::U8(values) => Self::of_counts(values, usize::from, |i| i as f64),
+            Voxels::I8(values) => Self::of_counts(
+                values,
+                |v| (i16::from(v) + 128) as usize,
+                |i| i as f64 - 128.0,
+            ),
+            Voxels::U16(values) => Self::of_counts(values, usize::from, |i| i as f64),
+            Voxels::I16(values) => Self::of_counts(
+                values,
+                |v| (i32::from(v) + 32768) as usize,
+                |i| i as f64 - 32768.0,
+            ),
             _ => for_voxels!(voxels, values => Self::of_wide(values)),
         }
     }
@@ -216,12 +220,19 @@ impl Statistics {
             .collect();
         let total = values.len() as f64;
         let mean = present.iter().map(|&(v, n)| v * n as f64).sum::<f64>() / total;
-        let variance =
-            present.iter().map(|&(v, n)| (v - mean).powi(2) * n as f64).sum::<f64>() / total;
+        let variance = present
+            .iter()
+            .map(|&(v, n)| (v - mean).powi(2) * n as f64)
+            .sum::<f64>()
+            / total;
         let (Some(&(min, _)), Some(&(max, _))) = (present.first(), present.last()) else {
             return Self::without_finite(Limits::default());
         };
-        let mut histogram = Histogram { lo: min, hi: max, ..Histogram::empty(BINS) };
+        let mut histogram = Histogram {
+            lo: min,
+            hi: max,
+            ..Histogram::empty(BINS)
+        };
         for &(value, count) in &present {
             histogram.counts[Histogram::bin(min, max, BINS, value)] += count;
         }
@@ -242,15 +253,28 @@ impl Statistics {
     fn of_wide<T: Element>(values: &[T]) -> Self {
         let limits = values
             .par_chunks(CHUNK)
-            .map(|chunk| chunk.iter().fold(Limits::default(), |l, v| l.with(v.to_f64())))
+            .map(|chunk| {
+                chunk
+                    .iter()
+                    .fold(Limits::default(), |l, v| l.with(v.to_f64()))
+            })
             .reduce(Limits::default, Limits::merge);
         if limits.finite == 0 {
             return Self::without_finite(limits);
         }
         let Limits { min, max, .. } = limits;
         // Sums run on values scaled by a power of two to below 1, which is exact and cannot overflow.
-        let scale = min.abs().max(max.abs()).log2().floor().clamp(-1000.0, 1000.0);
-        let unit = if min == 0.0 && max == 0.0 { 1.0 } else { (-scale).exp2() };
+        let scale = min
+            .abs()
+            .max(max.abs())
+            .log2()
+            .floor()
+            .clamp(-1000.0, 1000.0);
+        let unit = if min == 0.0 && max == 0.0 {
+            1.0
+        } else {
+            (-scale).exp2()
+        };
         let sum_of = |f: &(dyn Fn(f64) -> f64 + Sync)| -> f64 {
             let parts: Vec<f64> = values
                 .par_chunks(CHUNK)
@@ -268,7 +292,10 @@ impl Statistics {
             lo: min,
             hi: max,
             // 256 divides 65536, and so each bin is the sum of fine ones.
-            counts: fine.chunks(FINE_BINS / BINS).map(|bins| bins.iter().sum()).collect(),
+            counts: fine
+                .chunks(FINE_BINS / BINS)
+                .map(|bins| bins.iter().sum())
+                .collect(),
         };
         Self {
             min,

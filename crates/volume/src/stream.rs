@@ -6,51 +6,20 @@
 //! so that a header's word alone allocates nothing. One byte more than expected is an error, one less too.
 //! Last, the byte order is turned where it is not the machine's.
 
-use std::io::{self, BufRead, ErrorKind, Read};
+use std::io::{self, ErrorKind, Read};
 
 use bzip2::bufread::MultiBzDecoder;
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 
 use crate::error::Trouble;
-use crate::input::Input;
 use crate::load::Limits;
+use crate::piece::{Encoding, Piece, read_block};
 use crate::text_data;
 use crate::voxels::for_scalar_type;
 use crate::{Element, ScalarType, VolumeError, Voxels};
 
 /// Bytes read between two reports of progress, and the first step of a growing vector.
 const STEP: usize = 1 << 22;
-
-/// How voxels are written down.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Encoding {
-    /// Bytes as they are.
-    Raw,
-    /// A gzip stream.
-    Gzip,
-    /// A zlib stream.
-    Zlib,
-    /// A bzip2 stream.
-    Bzip2,
-    /// Two hexadecimal digits per byte; white space does not matter.
-    Hex,
-    /// Numbers as text.
-    Text,
-}
-
-/// The data in one file.
-pub(crate) struct Piece<'a> {
-    pub input: Input<'a>,
-    /// Where the data can begin: behind an attached header, or 0.
-    pub start: u64,
-    /// Lines to pass over first, before decoding.
-    pub line_skip: u64,
-    /// Bytes to pass over then, after decoding; `-1 - n` means that the data is followed by `n` bytes at the end.
-    pub byte_skip: i64,
-    pub encoding: Encoding,
-    /// Whether bytes behind the data are somebody else's (an encoded length was given).
-    pub encoded_len: Option<u64>,
-}
 
 /// Everything to be read for one volume.
 pub(crate) struct Job<'a> {
@@ -96,49 +65,15 @@ impl Job<'_> {
                 want: each as usize,
                 values: &mut values,
             };
-            sink.read().map_err(|error| error.in_file(&piece.input.path))?;
+            sink.read()
+                .map_err(|error| error.in_file(&piece.input.path))?;
         }
-        if self.big_endian != cfg!(target_endian = "big") && self.pieces.iter().all(Piece::is_binary) {
+        if self.big_endian != cfg!(target_endian = "big")
+            && self.pieces.iter().all(Piece::is_binary)
+        {
             values.iter_mut().for_each(|value| *value = value.swapped());
         }
         Ok(values)
-    }
-}
-
-impl<'a> Piece<'a> {
-    fn is_binary(&self) -> bool {
-        self.encoding != Encoding::Text
-    }
-
-    /// The input behind the skipped lines, and how far into the file that is.
-    fn open(&self) -> Result<(Box<dyn BufRead + 'a>, u64), VolumeError> {
-        let mut reader = self.input.open(self.start)?;
-        let mut at = self.start;
-        for _ in 0..self.line_skip {
-            let passed = skip_line(&mut reader).map_err(|error| self.input.unreadable(&error))?;
-            at += passed;
-            if passed == 0 {
-                return Err(VolumeError::DataTooShort(Trouble::new(
-                    format!("the header skips {} lines, and the file has fewer", self.line_skip),
-                    "correct the line skip",
-                )));
-            }
-        }
-        Ok((reader, at))
-    }
-}
-
-fn skip_line(reader: &mut dyn BufRead) -> io::Result<u64> {
-    let mut passed = 0;
-    loop {
-        let buffer = reader.fill_buf()?;
-        let end = buffer.iter().position(|&byte| byte == b'\n');
-        let used = end.map_or(buffer.len(), |at| at + 1);
-        reader.consume(used);
-        passed += used as u64;
-        if end.is_some() || used == 0 {
-            return Ok(passed);
-        }
     }
 }
 
@@ -162,7 +97,9 @@ impl<T: Element> Sink<'_, '_, T> {
         let stream = match self.piece.encoded_len {
             Some(len) if len > rest => {
                 return Err(VolumeError::DataTooShort(Trouble::new(
-                    format!("the header promises {len} bytes of compressed data, the file has {rest}"),
+                    format!(
+                        "the header promises {len} bytes of compressed data, the file has {rest}"
+                    ),
                     "the file is cut off: fetch it again",
                 )));
             }
@@ -203,19 +140,35 @@ impl<T: Element> Sink<'_, '_, T> {
         } else {
             let behind = skip.unsigned_abs() - 1;
             let have = rest.checked_sub(behind).filter(|&have| have >= want);
-            (at + have.unwrap_or(0).saturating_sub(want), have.map(|_| want))
+            (
+                at + have.unwrap_or(0).saturating_sub(want),
+                have.map(|_| want),
+            )
         };
         let have = have.ok_or_else(|| {
-            self.too_short(format_args!("{rest} bytes, of which a byte skip of {skip} leaves too few"))
+            self.too_short(format_args!(
+                "{rest} bytes, of which a byte skip of {skip} leaves too few"
+            ))
         })?;
         if have < want {
             return Err(self.too_short(format_args!("{have} bytes")));
         }
-        if have > want {
+        if have > want && !self.only_a_line_end(from + want, have - want)? {
             return Err(self.too_long(format_args!("{have} bytes")));
         }
         let mut reader = self.piece.input.open(from)?;
         self.fill(&mut reader, self.want)
+    }
+
+    fn only_a_line_end(&self, at: u64, len: u64) -> Result<bool, VolumeError> {
+        if !self.piece.line_end || len > 2 {
+            return Ok(false);
+        }
+        let mut behind = Vec::new();
+        let mut reader = self.piece.input.open(at)?;
+        let read = reader.read_to_end(&mut behind);
+        read.map_err(|error| self.piece.input.unreadable(&error))?;
+        Ok(behind == b"\n" || behind == b"\r\n")
     }
 
     fn read_stream(&mut self, mut stream: impl Read) -> Result<(), VolumeError> {
@@ -246,7 +199,10 @@ impl<T: Element> Sink<'_, '_, T> {
             passed += got as u64;
             if passed > self.limits.max_bytes {
                 return Err(VolumeError::TooLarge(Trouble::new(
-                    format!("the decoded stream passes the limit of {} bytes", self.limits.max_bytes),
+                    format!(
+                        "the decoded stream passes the limit of {} bytes",
+                        self.limits.max_bytes
+                    ),
                     "raise the limit (max_bytes) if the file is right",
                 )));
             }
@@ -282,7 +238,6 @@ impl<T: Element> Sink<'_, '_, T> {
             while done < until {
                 let block_end = until.min(done + STEP);
                 let bytes: &mut [u8] = bytemuck::cast_slice_mut(self.values);
-                // `reborrow` by range, because the error path below needs `self`.
                 let got = read_block(reader, &mut bytes[done..block_end]);
                 let got = got.map_err(|error| self.stream_error(&error))?;
                 done += got;
@@ -364,25 +319,16 @@ impl<T: Element> Sink<'_, '_, T> {
     fn stream_error(&self, error: &io::Error) -> VolumeError {
         match error.kind() {
             ErrorKind::UnexpectedEof => self.too_short(format_args!("a stream that is cut off")),
-            ErrorKind::InvalidData | ErrorKind::InvalidInput => VolumeError::DataCorrupt(Trouble::new(
-                format!("the {:?} stream cannot be decoded: {error}", self.piece.encoding),
-                "fetch the file again, or correct the encoding that the header states",
-            )),
+            ErrorKind::InvalidData | ErrorKind::InvalidInput => {
+                VolumeError::DataCorrupt(Trouble::new(
+                    format!(
+                        "the {:?} stream cannot be decoded: {error}",
+                        self.piece.encoding
+                    ),
+                    "fetch the file again, or correct the encoding that the header states",
+                ))
+            }
             _ => self.piece.input.unreadable(error),
         }
     }
-}
-
-/// Reads until the block is full or the stream ends.
-fn read_block(reader: &mut impl Read, block: &mut [u8]) -> io::Result<usize> {
-    let mut done = 0;
-    while done < block.len() {
-        match reader.read(&mut block[done..]) {
-            Ok(0) => break,
-            Ok(got) => done += got,
-            Err(error) if error.kind() == ErrorKind::Interrupted => {}
-            Err(error) => return Err(error),
-        }
-    }
-    Ok(done)
 }

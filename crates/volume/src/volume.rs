@@ -178,10 +178,11 @@ impl Volume {
     #[must_use]
     pub fn trilinear(&self, index: DVec3) -> f64 {
         let last = UVec3::from_array(self.grid.dims) - 1;
-        let point = index.clamp(DVec3::ZERO, last.as_dvec3());
-        if point.is_nan() {
+        // Clamping would make a number of it.
+        if index.is_nan() {
             return f64::NAN;
         }
+        let point = index.clamp(DVec3::ZERO, last.as_dvec3());
         let low = point.floor().as_uvec3().min(last);
         let high = (low + 1).min(last);
         let t = point - low.as_dvec3();
@@ -232,12 +233,18 @@ mod tests {
     use super::*;
 
     fn volume(dims: [u32; 3], voxels: Vec<f64>) -> Volume {
-        Volume::new("v", Grid::axis_aligned(dims, DVec3::ONE, DVec3::ZERO), voxels.into()).unwrap()
+        Volume::new(
+            "v",
+            Grid::axis_aligned(dims, DVec3::ONE, DVec3::ZERO),
+            voxels.into(),
+        )
+        .unwrap()
     }
 
     #[test]
     fn trilinear_is_exact_on_a_trilinear_function_and_clamps_outside() {
-        let f = |p: DVec3| 1.0 + 2.0 * p.x - 3.0 * p.y + 0.5 * p.z + p.x * p.y - 2.0 * p.x * p.y * p.z;
+        let f =
+            |p: DVec3| 1.0 + 2.0 * p.x - 3.0 * p.y + 0.5 * p.z + p.x * p.y - 2.0 * p.x * p.y * p.z;
         let mut voxels = Vec::new();
         for z in 0..4 {
             for y in 0..3 {
@@ -268,8 +275,14 @@ mod tests {
 
     #[test]
     fn one_voxel_is_a_volume_and_not_a_number_counts_as_zero() {
-        assert_eq!(volume([1, 1, 1], vec![7.0]).trilinear(DVec3::splat(0.3)), 7.0);
-        assert_eq!(volume([3, 1, 1], vec![1.0, 2.0, 4.0]).trilinear(DVec3::new(1.5, 0.2, 0.0)), 3.0);
+        assert_eq!(
+            volume([1, 1, 1], vec![7.0]).trilinear(DVec3::splat(0.3)),
+            7.0
+        );
+        assert_eq!(
+            volume([3, 1, 1], vec![1.0, 2.0, 4.0]).trilinear(DVec3::new(1.5, 0.2, 0.0)),
+            3.0
+        );
         let holes = volume([2, 1, 1], vec![f64::NAN, 8.0]);
         assert_eq!(holes.trilinear(DVec3::new(0.25, 0.0, 0.0)), 2.0);
         let hot = volume([2, 1, 1], vec![f64::INFINITY, 8.0]);
@@ -288,7 +301,10 @@ mod tests {
         moved.world_from_index.translation.x = 1e-9;
         let mut nodes = *base.grid();
         nodes.node_centred = true;
-        let turned = Grid { dims: [1, 2, 1], ..*base.grid() };
+        let turned = Grid {
+            dims: [1, 2, 1],
+            ..*base.grid()
+        };
         for (grid, voxels) in [
             (moved, base.voxels().clone()),
             (nodes, base.voxels().clone()),
@@ -303,7 +319,11 @@ mod tests {
     #[test]
     fn voxels_must_fill_the_grid() {
         let grid = Grid::axis_aligned([2, 2, 2], DVec3::ONE, DVec3::ZERO);
-        let code = |n: usize| Volume::new("v", grid, vec![0_u8; n].into()).unwrap_err().code();
+        let code = |n: usize| {
+            Volume::new("v", grid, vec![0_u8; n].into())
+                .unwrap_err()
+                .code()
+        };
         assert_eq!(code(7), "volume-data-too-short");
         assert_eq!(code(9), "volume-data-too-long");
     }

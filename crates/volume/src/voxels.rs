@@ -14,6 +14,8 @@ pub trait Element: bytemuck::Pod + PartialOrd + Send + Sync + sealed::Sealed {
     const TYPE: ScalarType;
     /// The value as float64; 64-bit integers are rounded to the nearest float64.
     fn to_f64(self) -> f64;
+    /// The value as float32, rounded where the type holds more digits.
+    fn to_f32(self) -> f32;
     /// A field's value as a voxel: floats take it as it is; integers take `round(value * MAX)` of the value
     /// clamped to 0..1 (unsigned) or -1..1 (signed). Not-a-number becomes 0 in integers.
     fn from_field(value: f64) -> Self;
@@ -43,6 +45,10 @@ macro_rules! elements {
 
                 fn to_f64(self) -> f64 {
                     self as f64
+                }
+
+                fn to_f32(self) -> f32 {
+                    self as f32
                 }
 
                 fn from_field(value: f64) -> Self {
@@ -222,7 +228,7 @@ impl Voxels {
         match self {
             Self::F32(values) => Cow::Borrowed(values),
             _ => Cow::Owned(
-                for_voxels!(self, values => values.iter().map(|value| *value as f32).collect()),
+                for_voxels!(self, values => values.iter().map(|value| value.to_f32()).collect()),
             ),
         }
     }

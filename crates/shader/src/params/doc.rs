@@ -87,6 +87,10 @@ pub(crate) fn shader_param(
             Ok(value) => spec.default = value,
             Err((range, message)) => findings.push(error(&range, message)),
         },
+        // A misspelt `@default` is told already.
+        None if tags.iter().any(|tag| {
+            did_you_mean(tag.name.text, ["default"]).is_some_and(|near| near.starts_with("did"))
+        }) => {}
         None => {
             let finding = error(&param.range, "no `@default` in its doc comment".to_owned());
             findings.push(finding.help("write `/// What it means. @default 1.0` above it"));

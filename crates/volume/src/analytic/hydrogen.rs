@@ -35,7 +35,7 @@ impl Hydrogen {
     ///
     /// # Errors
     /// Cause and remedy where the numbers are no integers or not `l < n <= 10`, `|m| <= l`.
-    pub fn new(n: f64, l: f64, m: f64, extent: f64) -> Result<Self, (String, &'static str)> {
+    pub(super) fn new(n: f64, l: f64, m: f64, extent: f64) -> Result<Self, (String, &'static str)> {
         let integers = [n, l, m].iter().all(|number| number.fract() == 0.0);
         if !integers || !(1.0..=10.0).contains(&n) || !(0.0..n).contains(&l) || m.abs() > l {
             return Err((
@@ -43,7 +43,11 @@ impl Hydrogen {
                 "give integers with 1 <= n <= 10, 0 <= l < n, -l <= m <= l",
             ));
         }
-        let extent = if extent > 0.0 { extent } else { 2.0 * n * n + n };
+        let extent = if extent > 0.0 {
+            extent
+        } else {
+            2.0 * n * n + n
+        };
         let mut field = Self {
             n: n as u32,
             l: l as u32,
@@ -86,7 +90,11 @@ impl Hydrogen {
         let order = f64::from(2 * self.l + 1);
         let polynomial = laguerre(degree, order, rho);
         // L' of degree k and order a is −L of degree k − 1 and order a + 1.
-        let slope = if degree > 0 { -laguerre(degree - 1, order + 1.0, rho) } else { 0.0 };
+        let slope = if degree > 0 {
+            -laguerre(degree - 1, order + 1.0, rho)
+        } else {
+            0.0
+        };
         let decay = (-rho / 2.0).exp();
         let by_rho = decay * (slope - polynomial / 2.0);
         (decay * polynomial, by_rho * 2.0 / f64::from(self.n))
@@ -118,8 +126,15 @@ impl Hydrogen {
     fn polar(&self, z: f64, s: f64) -> Polar {
         let m = self.m.unsigned_abs();
         let first: f64 = (1..=m).map(|k| f64::from(2 * k - 1)).product();
-        let mut before = Polar { value: 0.0, by_z: 0.0, by_s: 0.0 };
-        let mut last = Polar { value: first, ..before };
+        let mut before = Polar {
+            value: 0.0,
+            by_z: 0.0,
+            by_s: 0.0,
+        };
+        let mut last = Polar {
+            value: first,
+            ..before
+        };
         for l in m + 1..=self.l {
             let a = f64::from(2 * l - 1) / f64::from(l - m);
             let b = f64::from(l + m - 1) / f64::from(l - m);
@@ -160,7 +175,10 @@ fn maximum(f: impl Fn(f64) -> f64, end: f64) -> f64 {
     let inverse_golden = (5.0_f64.sqrt() - 1.0) / 2.0;
     let (mut lo, mut hi) = ((best.1 - step).max(0.0), (best.1 + step).min(end));
     for _ in 0..60 {
-        let (a, b) = (hi - (hi - lo) * inverse_golden, lo + (hi - lo) * inverse_golden);
+        let (a, b) = (
+            hi - (hi - lo) * inverse_golden,
+            lo + (hi - lo) * inverse_golden,
+        );
         if f(a) > f(b) {
             hi = b;
         } else {

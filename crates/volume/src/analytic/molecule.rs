@@ -7,7 +7,7 @@ use glam::DVec3;
 ///
 /// The corners are the even permutations of (0, ±1, ±3φ), (±1, ±(2+φ), ±2φ), (±φ, ±2, ±(2φ+1)) with the golden
 /// ratio φ, scaled to the radius. The brightest points lie a little beside the atoms, towards their neighbours,
-/// and pass 1 by less than 1e-3 for the default radius and σ; far apart atoms make it 1 exactly.
+/// and pass 1 by less than 1e-3 for the default radius and σ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct C60 {
     atoms: Vec<DVec3>,
@@ -17,8 +17,7 @@ pub struct C60 {
 
 impl C60 {
     /// Atoms at distance `radius` from the centre, with standard deviation `sigma`, both positive.
-    #[must_use]
-    pub fn new(radius: f64, sigma: f64) -> Self {
+    pub(super) fn new(radius: f64, sigma: f64) -> Self {
         let golden = (1.0 + 5.0_f64.sqrt()) / 2.0;
         let kinds = [
             DVec3::new(0.0, 1.0, 3.0 * golden),
@@ -34,11 +33,19 @@ impl C60 {
                     continue;
                 }
                 let DVec3 { x, y, z } = corner * DVec3::new(sign(1), sign(2), sign(4));
-                let turned = [DVec3::new(x, y, z), DVec3::new(y, z, x), DVec3::new(z, x, y)];
+                let turned = [
+                    DVec3::new(x, y, z),
+                    DVec3::new(y, z, x),
+                    DVec3::new(z, x, y),
+                ];
                 atoms.extend(turned.map(|atom| atom.normalize() * radius));
             }
         }
-        let mut field = Self { atoms, sigma, scale: 1.0 };
+        let mut field = Self {
+            atoms,
+            sigma,
+            scale: 1.0,
+        };
         field.scale = 1.0 / field.value(field.atoms[0]);
         field
     }
@@ -58,7 +65,8 @@ impl C60 {
     }
 
     pub(super) fn gradient(&self, p: DVec3) -> DVec3 {
-        let slope = |&atom: &DVec3| (atom - p) * (self.density(p, atom) / (self.sigma * self.sigma));
+        let slope =
+            |&atom: &DVec3| (atom - p) * (self.density(p, atom) / (self.sigma * self.sigma));
         self.atoms.iter().map(slope).sum()
     }
 }

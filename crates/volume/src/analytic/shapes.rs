@@ -29,7 +29,11 @@ impl MarschnerLobb {
         let r = p.truncate().length();
         let phase = 2.0 * PI * self.frequency;
         // ρ_r'(r) / r; sin(πr/2) / r tends to π/2 at the axis.
-        let sine_over_r = if r > 1e-8 { (PI * r / 2.0).sin() / r } else { PI / 2.0 };
+        let sine_over_r = if r > 1e-8 {
+            (PI * r / 2.0).sin() / r
+        } else {
+            PI / 2.0
+        };
         let slope_over_r = (phase * (PI * r / 2.0).cos()).sin() * phase * sine_over_r * PI / 2.0;
         let across: DVec2 = self.alpha * slope_over_r * p.truncate();
         across.extend(-PI / 2.0 * (PI * p.z / 2.0).cos()) / (2.0 * (1.0 + self.alpha))
@@ -70,16 +74,16 @@ pub struct Torus {
 
 impl Torus {
     /// From the nearest point of the ring to `p`, in the plane of the axis and `p`: outwards, and along z.
-    fn from_ring(&self, p: DVec3) -> DVec2 {
+    fn ring_offset(&self, p: DVec3) -> DVec2 {
         DVec2::new(p.truncate().length() - self.major, p.z)
     }
 
     pub(super) fn value(&self, p: DVec3) -> f64 {
-        0.5 + (self.minor - self.from_ring(p).length()) / self.falloff
+        0.5 + (self.minor - self.ring_offset(p).length()) / self.falloff
     }
 
     pub(super) fn gradient(&self, p: DVec3) -> DVec3 {
-        let away = self.from_ring(p).normalize_or_zero();
+        let away = self.ring_offset(p).normalize_or_zero();
         let outwards = p.truncate().normalize_or_zero();
         -(outwards * away.x).extend(away.y) / self.falloff
     }

@@ -17,12 +17,21 @@ const SPATIAL_KINDS: [&str; 4] = ["domain", "space", "???", "none"];
 /// Indices of the spatial axes: those with a direction, else those whose kind says so, else all.
 pub(super) fn spatial_axes(header: &Header) -> Result<Vec<usize>, VolumeError> {
     let axes = header.sizes.len();
-    let kinds = header.fields.get("kinds").map(|field| words(field, axes)).transpose()?;
+    let kinds = header
+        .fields
+        .get("kinds")
+        .map(|field| words(field, axes))
+        .transpose()?;
     let directions = header.fields.get("space directions");
-    let spatial = match (directions.map(|field| vectors(field, axes)).transpose()?, kinds) {
+    let spatial = match (
+        directions.map(|field| vectors(field, axes)).transpose()?,
+        kinds,
+    ) {
         (Some(directions), _) => filter(axes, |axis| directions[axis].is_some()),
         (None, Some(kinds)) => filter(axes, |axis| {
-            SPATIAL_KINDS.iter().any(|kind| kinds[axis].eq_ignore_ascii_case(kind))
+            SPATIAL_KINDS
+                .iter()
+                .any(|kind| kinds[axis].eq_ignore_ascii_case(kind))
         }),
         (None, None) => filter(axes, |_| true),
     };
@@ -68,7 +77,12 @@ struct Space {
 
 fn space(header: &Header, warnings: &mut Vec<String>) -> Result<Option<Space>, VolumeError> {
     let flip = |x: f64, y: f64| DMat3::from_diagonal(DVec3::new(x, y, 1.0));
-    let three = |lps_from_file| Some(Space { dimension: 3, lps_from_file });
+    let three = |lps_from_file| {
+        Some(Space {
+            dimension: 3,
+            lps_from_file,
+        })
+    };
     if let Some(field) = header.fields.get("space") {
         return match field.value.to_ascii_lowercase().as_str() {
             "left-posterior-superior" | "lps" => Ok(three(DMat3::IDENTITY)),
@@ -89,7 +103,10 @@ fn space(header: &Header, warnings: &mut Vec<String>) -> Result<Option<Space>, V
         if !(1..=3).contains(&dimension) {
             return Err(field.bad("a space here has 1 to 3 dimensions", "drop the others"));
         }
-        return Ok(Some(Space { dimension, lps_from_file: DMat3::IDENTITY }));
+        return Ok(Some(Space {
+            dimension,
+            lps_from_file: DMat3::IDENTITY,
+        }));
     }
     if let Some(field) = header.fields.get("space directions") {
         warnings.push(format!(
@@ -101,7 +118,10 @@ fn space(header: &Header, warnings: &mut Vec<String>) -> Result<Option<Space>, V
         if dimension > 3 {
             return Err(field.bad("a space here has 1 to 3 dimensions", "drop the others"));
         }
-        return Ok(Some(Space { dimension, lps_from_file: DMat3::IDENTITY }));
+        return Ok(Some(Space {
+            dimension,
+            lps_from_file: DMat3::IDENTITY,
+        }));
     }
     Ok(None)
 }
@@ -110,7 +130,11 @@ impl Space {
     fn vector(&self, field: &Field, numbers: &[f64]) -> Result<DVec3, VolumeError> {
         if numbers.len() != self.dimension {
             return Err(field.bad(
-                format!("a vector has {} numbers, the space {}", numbers.len(), self.dimension),
+                format!(
+                    "a vector has {} numbers, the space {}",
+                    numbers.len(),
+                    self.dimension
+                ),
                 "give each vector as many numbers as the space has dimensions",
             ));
         }
@@ -148,7 +172,9 @@ pub(super) fn grid(
                 Some(space) => space_origin(header, &space)?,
                 None => scalar.1,
             };
-            let line = ["spacings", "axis mins"].iter().find_map(|key| header.fields.get(key));
+            let line = ["spacings", "axis mins"]
+                .iter()
+                .find_map(|key| header.fields.get(key));
             (scalar.0, origin, line.map_or(0, |field| field.line))
         }
     };
@@ -184,14 +210,19 @@ fn scalar_placement(
     let axes = header.sizes.len();
     let per_axis = |key: &str| -> Result<Option<(&Field, Vec<f64>)>, VolumeError> {
         let field = header.fields.get(key);
-        field.map(|field| Ok((field, field.numbers(axes)?))).transpose()
+        field
+            .map(|field| Ok((field, field.numbers(axes)?)))
+            .transpose()
     };
     let spacings = per_axis("spacings")?;
     let thicknesses = per_axis("thicknesses")?;
     let mins = per_axis("axis mins")?;
     let maxs = per_axis("axis maxs")?;
     let known = |numbers: &Option<(&Field, Vec<f64>)>, axis: usize| {
-        numbers.as_ref().map(|(_, numbers)| numbers[axis]).filter(|number| !number.is_nan())
+        numbers
+            .as_ref()
+            .map(|(_, numbers)| numbers[axis])
+            .filter(|number| !number.is_nan())
     };
     let units = [DVec3::X, DVec3::Y, DVec3::Z];
     let mut columns = Vec::new();
@@ -230,12 +261,19 @@ fn scalar_placement(
 }
 
 /// Node-centred only where every spatial axis says `node`.
-fn centring(header: &Header, spatial: &[usize], warnings: &mut Vec<String>) -> Result<bool, VolumeError> {
+fn centring(
+    header: &Header,
+    spatial: &[usize],
+    warnings: &mut Vec<String>,
+) -> Result<bool, VolumeError> {
     let Some(field) = header.fields.get("centerings") else {
         return Ok(false);
     };
     let words = words(field, header.sizes.len())?;
-    let nodes = spatial.iter().filter(|&&axis| words[axis].eq_ignore_ascii_case("node")).count();
+    let nodes = spatial
+        .iter()
+        .filter(|&&axis| words[axis].eq_ignore_ascii_case("node"))
+        .count();
     if nodes > 0 && nodes < spatial.len() {
         warnings.push(format!(
             "line {}: some axes are node-centred and some are not; all are taken as cell-centred",

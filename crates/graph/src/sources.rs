@@ -1,0 +1,72 @@
+//! Loads what a graph draws: its volumes, transfer functions and images, each through its source kind.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+use indexmap::IndexMap;
+use volgraph_report::{Finding, Findings, did_you_mean};
+
+use crate::desc::{GraphDesc, SourceDesc};
+use crate::kind::{Progress, Source};
+use crate::registry::Registry;
+
+/// The loaded sources by name, those that could not be loaded left out, and everything wrong with them. `progress`
+/// gets the source's name before the bytes.
+pub fn load(
+    desc: &GraphDesc,
+    registry: &Registry,
+    base: &Path,
+    progress: &(dyn Fn(&str, u64, u64) + Sync),
+) -> (IndexMap<String, Arc<dyn Source>>, Findings) {
+    let mut findings = Findings::new();
+    let mut loaded = IndexMap::new();
+    for (name, source) in &desc.sources {
+        let report = |done, total| progress(name, done, total);
+        if let Some(source) = findings.take_all(load_one(source, registry, base, &report)) {
+            loaded.insert(name.clone(), source);
+        }
+    }
+    (loaded, findings)
+}
+
+/// Loads one source.
+///
+/// # Errors
+/// `unknown-source-kind`, `unknown-param`, `bad-param`, and what its kind found in its files.
+pub fn load_one(
+    desc: &SourceDesc,
+    registry: &Registry,
+    base: &Path,
+    progress: Progress<'_>,
+) -> Result<Arc<dyn Source>, Findings> {
+    let Some(kind) = registry.source(&desc.kind) else {
+        return Err(Finding::error("unknown-source-kind", format!("unknown kind of source `{}`", desc.kind))
+            .at(desc.place.clone())
+            .help_opt(did_you_mean(&desc.kind, registry.sources().map(|kind| kind.name())))
+            .into());
+    };
+    let specs = kind.params();
+    let mut findings = Findings::new();
+    let mut params = BTreeMap::new();
+    for (name, given) in &desc.params {
+        let Some(spec) = specs.iter().find(|spec| spec.name == *name) else {
+            findings.push(
+                Finding::error("unknown-param", format!("a source of kind `{}` has no field `{name}`", kind.name()))
+                    .at(given.name_place.clone())
+                    .help_opt(did_you_mean(name, specs.iter().map(|spec| spec.name.as_str()))),
+            );
+            continue;
+        };
+        match spec.check(&given.value) {
+            Ok(value) => {
+                params.insert(name.clone(), value);
+            }
+            Err(reason) => findings
+                .push(Finding::error("bad-param", format!("field `{name}`: {reason}")).at(given.place.clone())),
+        }
+    }
+    let params = findings.into_result(params)?;
+    kind.load(&params, base, progress)
+        .map_err(|findings| findings.into_iter().map(|finding| finding.or_at(|| desc.place.clone())).collect())
+}

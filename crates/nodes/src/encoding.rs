@@ -1,0 +1,169 @@
+//! How scalars become texels: the format that holds a volume's values best, and the way back.
+//!
+//! `scalar = texel · scale + offset`. Whole numbers that span at most 4096 are exact in half floats, which are
+//! filtered in float on every adapter; 8-bit formats are filtered with 8-bit weights by software drivers. Wider
+//! ranges take single floats where those can be filtered.
+
+use half::f16;
+use rayon::prelude::*;
+use volgraph_graph::Limits;
+use volgraph_volume::{ScalarType, Volume, Voxels};
+use wgpu_types::TextureFormat;
+
+/// How a volume's scalars are stored in a texture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Encoding {
+    /// The texture's format.
+    pub format: TextureFormat,
+    /// scalar = texel · scale + offset
+    pub scale: f64,
+    /// See `scale`.
+    pub offset: f64,
+    /// The largest error of a voxel that this storage makes, in data units; 0 where it is exact.
+    pub error: f64,
+    /// Smallest and largest finite scalar.
+    pub range: (f64, f64),
+}
+
+impl Encoding {
+    /// The encoding for a storage choice: `auto`, `r8unorm`, `r16float` or `r32float`.
+    #[must_use]
+    pub fn choose(volume: &Volume, storage: &str, limits: &Limits) -> Self {
+        let (lo, hi) = volume.statistics().range().unwrap_or((0.0, 0.0));
+        let span = hi - lo;
+        let is_whole = !volume.voxels().scalar_type().is_float();
+        let half_is_exact = is_whole && span <= 4096.0;
+        let format = match storage {
+            "r8unorm" => TextureFormat::R8Unorm,
+            "r16float" => TextureFormat::R16Float,
+            "r32float" => TextureFormat::R32Float,
+            _ if half_is_exact || !limits.float32_filterable => TextureFormat::R16Float,
+            _ => TextureFormat::R32Float,
+        };
+        let unit_span = if span > 0.0 { span } else { 1.0 };
+        let (scale, offset, error) = match format {
+            TextureFormat::R8Unorm => {
+                let is_exact = is_whole && (lo >= 0.0 && hi <= 255.0);
+                if is_exact { (255.0, 0.0, 0.0) } else { (unit_span, lo, span / 510.0) }
+            }
+            TextureFormat::R16Float => {
+                // Half floats hold every whole number up to 2048, of either sign.
+                let middle = if lo >= 0.0 && hi <= 2048.0 { 0.0 } else { (0.5 * (lo + hi)).floor() };
+                if half_is_exact {
+                    (1.0, middle, 0.0)
+                } else {
+                    // -1..1, so that the sign bit counts as well.
+                    (0.5 * unit_span, 0.5 * (lo + hi), span / 8192.0)
+                }
+            }
+            _ => match volume.voxels().scalar_type() {
+                ScalarType::F32 | ScalarType::U8 | ScalarType::I8 | ScalarType::U16 | ScalarType::I16 => {
+                    (1.0, 0.0, 0.0)
+                }
+                _ => (unit_span, lo, span * f64::from(f32::EPSILON)),
+            },
+        };
+        Self { format, scale, offset, error, range: (lo, hi) }
+    }
+
+    /// All voxels as texels, x fastest. Voxels that are not numbers become the smallest value, infinite ones the
+    /// nearest finite one.
+    #[must_use]
+    pub fn encode(&self, volume: &Volume) -> Vec<u8> {
+        let texel = |scalar: f64| {
+            let finite = if scalar.is_nan() { self.range.0 } else { scalar.clamp(self.range.0, self.range.1) };
+            (finite - self.offset) / self.scale
+        };
+        let voxels = volume.voxels();
+        match self.format {
+            TextureFormat::R8Unorm => match voxels {
+                Voxels::U8(values) if self.scale == 255.0 => values.clone(),
+                _ => encode(voxels, |scalar| [unorm8(texel(scalar))]),
+            },
+            TextureFormat::R16Float => encode(voxels, |scalar| f16::from_f64(texel(scalar)).to_le_bytes()),
+            _ => encode(voxels, |scalar| {
+                #[expect(clippy::cast_possible_truncation, reason = "the texture holds f32")]
+                let value = texel(scalar) as f32;
+                value.to_le_bytes()
+            }),
+        }
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a byte")]
+fn unorm8(texel: f64) -> u8 {
+    (texel * 255.0).round().clamp(0.0, 255.0) as u8
+}
+
+fn encode<const N: usize>(voxels: &Voxels, texel: impl Fn(f64) -> [u8; N] + Sync) -> Vec<u8> {
+    (0..voxels.len()).into_par_iter().flat_map_iter(|at| texel(voxels.get(at))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use volgraph_volume::Grid;
+
+    use super::*;
+
+    fn volume(voxels: Voxels) -> Volume {
+        let n = u32::try_from(voxels.len()).unwrap();
+        Volume::new("test", Grid::axis_aligned([n, 1, 1], DVec3::ONE, DVec3::ZERO), voxels).unwrap()
+    }
+
+    fn decoded(encoding: &Encoding, bytes: &[u8]) -> Vec<f64> {
+        let texels: Vec<f64> = match encoding.format {
+            TextureFormat::R8Unorm => bytes.iter().map(|b| f64::from(*b) / 255.0).collect(),
+            TextureFormat::R16Float => {
+                bytes.chunks(2).map(|b| f16::from_le_bytes([b[0], b[1]]).to_f64()).collect()
+            }
+            _ => bytes.chunks(4).map(|b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]))).collect(),
+        };
+        texels.into_iter().map(|texel| texel * encoding.scale + encoding.offset).collect()
+    }
+
+    #[test]
+    fn stored_scalars_come_back_within_the_stated_error() {
+        let filterable = Limits { float32_filterable: true, ..Limits::default() };
+        let volumes = [
+            Voxels::U8((0..=255).collect()),
+            Voxels::I16((-1024..=3071).collect()),
+            Voxels::I16((0..60).map(|i| i * 1000 - 30000).collect()),
+            Voxels::U16((0..60).map(|i| i * 1000).collect()),
+            Voxels::F32((0..60).map(|i| (i as f32).sin() * 1e-3).collect()),
+            Voxels::F64((0..60).map(|i| 1e6 + (i as f64).sin()).collect()),
+            Voxels::U64((0..60).map(|i| u64::MAX - i).collect()),
+        ];
+        for voxels in volumes {
+            let volume = volume(voxels);
+            for limits in [filterable, Limits::default()] {
+                for storage in ["auto", "r8unorm", "r16float", "r32float"] {
+                    let encoding = Encoding::choose(&volume, storage, &limits);
+                    let bytes = encoding.encode(&volume);
+                    for (at, value) in decoded(&encoding, &bytes).into_iter().enumerate() {
+                        let truth = volume.voxels().get(at);
+                        let allowed = encoding.error * 1.001 + 1e-12 * truth.abs();
+                        assert!((value - truth).abs() <= allowed, "{storage} {encoding:?}: {value} for {truth}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn bytes_and_ct_are_exact_in_half_floats() {
+        let ct = volume(Voxels::I16((-1024..=3071).collect()));
+        let encoding = Encoding::choose(&ct, "auto", &Limits::default());
+        assert_eq!((encoding.format, encoding.error), (TextureFormat::R16Float, 0.0));
+        let wide = volume(Voxels::U16(vec![0, 65535]));
+        assert!(Encoding::choose(&wide, "auto", &Limits::default()).error > 0.0);
+    }
+
+    #[test]
+    fn what_is_not_a_number_becomes_the_smallest_value() {
+        let volume = volume(Voxels::F32(vec![f32::NAN, -2.0, 5.0, f32::INFINITY, f32::NEG_INFINITY]));
+        let limits = Limits { float32_filterable: true, ..Limits::default() };
+        let encoding = Encoding::choose(&volume, "auto", &limits);
+        assert_eq!(decoded(&encoding, &encoding.encode(&volume)), [-2.0, -2.0, 5.0, 5.0, -2.0]);
+    }
+}

@@ -1,0 +1,67 @@
+//! `image_texture`: an image on the device.
+
+use half::f16;
+use volgraph_graph::{
+    InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement, ResourceDesc, Size, UploadBytes,
+};
+use volgraph_report::Finding;
+use wgpu_types::TextureFormat;
+
+use crate::source::image::ImageSource;
+
+/// The node kind `image_texture`.
+pub struct ImageTexture;
+
+const INPUTS: &[InputPort] = &[InputPort {
+    name: "image",
+    ty: PortType::Image,
+    requirement: Requirement::Required,
+    doc: "The image.",
+}];
+
+const OUTPUTS: &[OutputPort] = &[OutputPort {
+    name: "texture",
+    ty: PortType::ImageTexture,
+    doc: "The image as a texture of linear premultiplied half floats.",
+}];
+
+impl NodeKind for ImageTexture {
+    fn name(&self) -> &'static str {
+        "image_texture"
+    }
+
+    fn doc(&self) -> &'static str {
+        "Uploads an image as a texture."
+    }
+
+    fn inputs(&self) -> &[InputPort] {
+        INPUTS
+    }
+
+    fn outputs(&self) -> &[OutputPort] {
+        OUTPUTS
+    }
+
+    fn output(&self, _port: &str, node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
+        let picture = &image(node)?.picture;
+        Ok(ResourceDesc::Texture {
+            dimensions: 2,
+            size: Size::Absolute([picture.width, picture.height, 1]),
+            // Filtered everywhere, which single floats are not.
+            format: TextureFormat::Rgba16Float,
+        })
+    }
+
+    fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
+        let picture = image(node)?.picture.clone();
+        let bytes = UploadBytes::new(move || {
+            Ok(picture.color.iter().flatten().flat_map(|value| f16::from_f32(*value).to_le_bytes()).collect())
+        });
+        Ok(vec![Pass::Upload { port: "texture", bytes }])
+    }
+}
+
+fn image<'g>(node: &NodeContext<'g>) -> Result<&'g ImageSource, Finding> {
+    node.source::<ImageSource>("image")
+        .ok_or_else(|| node.error("missing-input", "its input `image` is not an image"))
+}

@@ -1,0 +1,39 @@
+//! volgraph's node kinds and source kinds, one file each, beside nothing else.
+//!
+//! A node file reads top to bottom: what it does, its ports, its parameters, what it writes, its passes. Sources
+//! ([`source`]) load volumes, transfer functions and images. What several kinds share stands in [`encoding`] (how
+//! scalars become texels) and [`placement`] (the uniform of a volume). [`registry`] has them all.
+
+pub mod background;
+pub mod encoding;
+pub mod gradient;
+pub mod image_texture;
+pub mod placement;
+pub mod preintegration;
+pub mod proxy_box;
+pub mod raycast;
+pub mod source;
+pub mod transfer_table;
+pub mod volume_texture;
+
+use volgraph_graph::Registry;
+
+/// All of volgraph's own kinds.
+#[must_use]
+pub fn registry() -> Registry {
+    let mut registry = Registry::new();
+    registry
+        .add_source(source::volume::VolumeKind)
+        .add_source(source::analytic::AnalyticKind)
+        .add_source(source::transfer::TransferKind)
+        .add_source(source::image::ImageKind)
+        .add_node(background::Background)
+        .add_node(proxy_box::ProxyBox)
+        .add_node(raycast::Raycast)
+        .add_node(volume_texture::VolumeTexture)
+        .add_node(gradient::Gradient)
+        .add_node(transfer_table::TransferTable)
+        .add_node(preintegration::Preintegration)
+        .add_node(image_texture::ImageTexture);
+    registry
+}

@@ -1,0 +1,90 @@
+//! The uniform of a volume: where it is, how its texels become scalars.
+
+use glam::{DAffine3, DMat3, DMat4, DVec3};
+use volgraph_graph::{NodeContext, Uniform};
+use volgraph_report::Finding;
+use volgraph_shader::UniformValue;
+use volgraph_volume::{Grid, Volume};
+
+use crate::encoding::Encoding;
+use crate::source::volume::VolumeSource;
+
+/// The volume at a node's input port.
+///
+/// # Errors
+/// `missing-input` where there is none.
+pub fn volume<'g>(node: &NodeContext<'g>, port: &str) -> Result<&'g Volume, Finding> {
+    node.source::<VolumeSource>(port)
+        .map(|source| source.volume.as_ref())
+        .ok_or_else(|| node.error("missing-input", format!("its input `{port}` is not a volume")))
+}
+
+/// How the volume at `volume` is stored by the writer of `volume_texture`.
+///
+/// # Errors
+/// `missing-input` where there is no volume.
+pub fn encoding(node: &NodeContext<'_>) -> Result<Encoding, Finding> {
+    let storage = node.writer("volume_texture").map_or("auto", |writer| writer.text("volume_storage"));
+    Ok(Encoding::choose(volume(node, "volume")?, storage, node.limits()))
+}
+
+/// The members of the uniform `volume` (see `lib/volume.wgsl`), for a node with the inputs `volume` and
+/// `volume_texture`.
+///
+/// # Errors
+/// `missing-input` where there is no volume.
+pub fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
+    let grid = volume(node, "volume")?.grid();
+    let encoding = encoding(node)?;
+    let texture_from_world = texture_from_world(grid);
+    let (low, high) = grid.box_index();
+    let dims = dims(grid);
+    let centre = grid.world_from_index.transform_point3(0.5 * (low + high));
+    let sides = grid.spacing() * (high - low);
+    let radius = grid.corners_world().iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max);
+    // Gradients are covectors: they map by the inverse transpose.
+    let world_from_index_gradient: DMat3 = grid.world_from_index.matrix3.inverse().transpose();
+    let span = encoding.range.1 - encoding.range.0;
+    Ok(vec![
+        ("texture_from_world", UniformValue::Mat4(columns(DMat4::from(texture_from_world)))),
+        (
+            "world_from_index_gradient",
+            UniformValue::Mat3(world_from_index_gradient.as_mat3().to_cols_array_2d()),
+        ),
+        ("dims", vec3(dims)),
+        ("box_low", vec3((low + 0.5) / dims)),
+        ("box_high", vec3((high + 0.5) / dims)),
+        ("centre", vec3(centre)),
+        ("half_side", f32_value(0.5 * sides.min_element())),
+        ("radius", f32_value(radius)),
+        ("voxel", f32_value(grid.min_spacing())),
+        ("value_scale", f32_value(encoding.scale)),
+        ("value_offset", f32_value(encoding.offset)),
+        ("value_range", f32_value(if span > 0.0 { span } else { 1.0 })),
+    ])
+}
+
+/// Texture coordinates (0..1 over whole voxels) from world positions.
+#[must_use]
+pub fn texture_from_world(grid: &Grid) -> DAffine3 {
+    let texture_from_index =
+        DAffine3::from_scale(1.0 / dims(grid)) * DAffine3::from_translation(DVec3::splat(0.5));
+    texture_from_index * grid.world_from_index.inverse()
+}
+
+fn dims(grid: &Grid) -> DVec3 {
+    DVec3::from_array(grid.dims.map(f64::from))
+}
+
+fn columns(matrix: DMat4) -> [[f32; 4]; 4] {
+    matrix.as_mat4().to_cols_array_2d()
+}
+
+pub(crate) fn vec3(v: DVec3) -> UniformValue {
+    UniformValue::Vec3(v.as_vec3().to_array())
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "shaders compute in f32")]
+pub(crate) fn f32_value(value: f64) -> UniformValue {
+    UniformValue::F32(value as f32)
+}

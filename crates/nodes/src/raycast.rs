@@ -1,0 +1,312 @@
+//! `raycast`: one walk per pixel through the volume's box; slots say what a segment means.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use volgraph_graph::{
+    Demand, InputPort, Load, Mesh, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec, Requirement,
+    ResourceDesc, Size, SlotSpec, Target, Uniform,
+};
+use volgraph_optics::Domain;
+use volgraph_report::Finding;
+use volgraph_shader::{ParamSpec, UniformValue};
+use wgpu_types::TextureFormat;
+
+use crate::placement::{self, f32_value};
+use crate::{preintegration, proxy_box, transfer_table, volume_texture};
+
+/// The node kind `raycast`.
+pub struct Raycast;
+
+const INPUTS: &[InputPort] = &[
+    InputPort {
+        name: "volume",
+        ty: PortType::Volume,
+        requirement: Requirement::Required,
+        doc: "The volume.",
+    },
+    InputPort {
+        name: "rays",
+        ty: PortType::Mesh,
+        requirement: Requirement::Required,
+        doc: "The proxy geometry that starts the rays.",
+    },
+    InputPort {
+        name: "transfer",
+        ty: PortType::Transfer,
+        requirement: Requirement::Optional,
+        doc: "The transfer function, for techniques that classify.",
+    },
+    InputPort {
+        name: "behind",
+        ty: PortType::Color,
+        requirement: Requirement::Optional,
+        doc: "What lies behind the volume; nothing where it is open.",
+    },
+    InputPort {
+        name: "volume_texture",
+        ty: PortType::VolumeTexture,
+        requirement: Requirement::Demanded(Demand {
+            kind: "volume_texture",
+            inputs: &[("volume", "volume")],
+            params: &[("volume_storage", "volume_storage")],
+            slots: &[],
+        }),
+        doc: "The volume on the device.",
+    },
+    InputPort {
+        name: "gradient_volume",
+        ty: PortType::GradientTexture,
+        requirement: Requirement::Demanded(Demand {
+            kind: "gradient",
+            inputs: &[("volume", "volume")],
+            params: &[("volume_storage", "volume_storage")],
+            slots: &[("gradient_method", "gradient_method"), ("gradient_storage", "gradient_storage")],
+        }),
+        doc: "Gradients of the volume.",
+    },
+    InputPort {
+        name: "transfer_table",
+        ty: PortType::Table1d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "transfer_table",
+            inputs: &[("transfer", "transfer")],
+            params: &[("table_size", "table_size")],
+            slots: &[],
+        }),
+        doc: "The transfer function as a table.",
+    },
+    InputPort {
+        name: "preintegration_table",
+        ty: PortType::Table2d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "preintegration",
+            inputs: &[("transfer", "transfer"), ("volume", "volume")],
+            params: &[("step", "step"), ("preintegration_size", "preintegration_size")],
+            slots: &[],
+        }),
+        doc: "The transfer function integrated over segments.",
+    },
+];
+
+const OUTPUTS: &[OutputPort] = &[
+    OutputPort { name: "color", ty: PortType::Color, doc: "Linear premultiplied colour, over what lies behind." },
+    OutputPort { name: "depth", ty: PortType::Scalar2d, doc: "World distance from the eye to what the ray shows." },
+    OutputPort { name: "opacity", ty: PortType::Scalar2d, doc: "Opacity of what the ray met in the volume." },
+];
+
+const SLOTS: &[SlotSpec] = &[
+    SlotSpec { name: "technique", default: "dvr", doc: "What does a segment add to the pixel?" },
+    SlotSpec { name: "reconstruct", default: "trilinear", doc: "What is the scalar at a point?" },
+    SlotSpec { name: "gradient", default: "stored", doc: "What is the gradient at a point?" },
+    SlotSpec { name: "gradient_method", default: "central", doc: "How are stored gradients made?" },
+    SlotSpec { name: "gradient_storage", default: "rgba16f", doc: "How are gradients stored?" },
+    SlotSpec { name: "classify", default: "post", doc: "What are colour and opacity of a segment?" },
+    SlotSpec { name: "traverse", default: "uniform", doc: "Where does the next segment end?" },
+    SlotSpec { name: "light", default: "unlit", doc: "How is a point lit?" },
+];
+
+/// What the depth holds where the ray shows nothing (`RAY_NO_DEPTH` in `lib/ray.wgsl`).
+pub const NO_DEPTH: f32 = 3.0e38;
+
+impl NodeKind for Raycast {
+    fn name(&self) -> &'static str {
+        "raycast"
+    }
+
+    fn doc(&self) -> &'static str {
+        "Casts a ray through each pixel's part of a volume and adds its segments up."
+    }
+
+    fn inputs(&self) -> &[InputPort] {
+        INPUTS
+    }
+
+    fn outputs(&self) -> &[OutputPort] {
+        OUTPUTS
+    }
+
+    fn params(&self) -> Vec<ParamSpec> {
+        vec![
+            ParamSpec::choice(
+                "stage",
+                &["auto", "fragment", "compute"],
+                "auto",
+                "Whether rays run in a fragment or a compute shader; auto measures both once and takes the faster.",
+            ),
+            volume_texture::storage_param(),
+            transfer_table::size_param(),
+            preintegration::size_param(),
+        ]
+    }
+
+    fn slots(&self) -> &[SlotSpec] {
+        SLOTS
+    }
+
+    fn uniforms(&self) -> &[&'static str] {
+        &["volume", "transfer", "tile"]
+    }
+
+    fn program(&self, node: &NodeContext<'_>) -> Option<ProgramSpec> {
+        let has_layers = node.is_wanted("depth") || node.is_wanted("opacity");
+        let mut entries = Vec::new();
+        if node.text("stage") != "compute" {
+            entries.extend(["raycast_vertex", fragment_entry(has_layers)]);
+        }
+        if node.text("stage") != "fragment" {
+            entries.push(compute_entry(has_layers));
+        }
+        let behind = if node.is_connected("behind") { "texture" } else { "none" };
+        Some(ProgramSpec {
+            root: "node/raycast.wgsl",
+            fixed_slots: BTreeMap::from([("behind".to_owned(), behind.to_owned())]),
+            entries,
+        })
+    }
+
+    fn passes_follow_camera(&self) -> bool {
+        true
+    }
+
+    fn variants(&self, node: &NodeContext<'_>) -> Vec<&'static str> {
+        match node.text("stage") {
+            "fragment" => vec!["fragment"],
+            "compute" => vec!["compute"],
+            _ => vec!["fragment", "compute"],
+        }
+    }
+
+    fn written(&self, wanted: &BTreeSet<&str>) -> Vec<&'static str> {
+        if wanted.contains("depth") || wanted.contains("opacity") {
+            vec!["color", "depth", "opacity"]
+        } else if wanted.contains("color") {
+            vec!["color"]
+        } else {
+            Vec::new()
+        }
+    }
+
+    fn output(&self, port: &str, node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
+        let format = if port == "color" { TextureFormat::Rgba32Float } else { TextureFormat::R32Float };
+        check_table_sizes(node)?;
+        Ok(ResourceDesc::Texture { dimensions: 2, size: Size::ViewRelative(1.0), format })
+    }
+
+    fn uniform(&self, name: &str, node: &NodeContext<'_>) -> Result<Uniform, Finding> {
+        match name {
+            "volume" => placement::uniform(node),
+            "transfer" => transfer_uniform(node),
+            _ => Ok(vec![("first", UniformValue::UVec2(tile(node)?.map_or([0; 2], |tile| [tile[0], tile[1]])))]),
+        }
+    }
+
+    fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
+        let has_layers = node.output_resource("depth").is_some();
+        let mut passes = Vec::new();
+        let color_load = if node.is_connected("behind") {
+            passes.push(Pass::Copy { from: "behind", to: "color" });
+            if node.input_resource("behind") != node.output_resource("color") {
+                return Err(node
+                    .error("size-mismatch", "its input `behind` has another size or format than its output")
+                    .help("make it as large as the picture, in rgba32float"));
+            }
+            Load::Keep
+        } else {
+            Load::Clear([0.0; 4])
+        };
+        let mut targets = vec![Target { port: "color", load: color_load }];
+        if has_layers {
+            targets.push(Target { port: "depth", load: Load::Clear([f64::from(NO_DEPTH), 0.0, 0.0, 0.0]) });
+            targets.push(Target { port: "opacity", load: Load::Clear([0.0; 4]) });
+        }
+        let tile = tile(node)?;
+        match (node.variant(), tile) {
+            (Some("compute"), _) | (_, None) => {
+                for target in &targets {
+                    if let Load::Clear(value) = target.load {
+                        passes.push(Pass::Clear { port: target.port, value });
+                    }
+                }
+                if let Some([_, _, width, height]) = tile {
+                    passes.push(Pass::Compute {
+                        entry: compute_entry(has_layers),
+                        workgroups: [width.div_ceil(8), height.div_ceil(8), 1],
+                        constants: Vec::new(),
+                    });
+                }
+            }
+            _ => passes.push(Pass::Draw {
+                vertex: "raycast_vertex",
+                fragment: fragment_entry(has_layers),
+                mesh: Mesh::Input { port: "rays", vertices: proxy_box::VERTICES, back_faces_only: true },
+                targets,
+                constants: Vec::new(),
+            }),
+        }
+        Ok(passes)
+    }
+}
+
+fn fragment_entry(has_layers: bool) -> &'static str {
+    if has_layers { "raycast_fragment_layers" } else { "raycast_fragment" }
+}
+
+fn compute_entry(has_layers: bool) -> &'static str {
+    if has_layers { "raycast_compute_layers" } else { "raycast_compute" }
+}
+
+/// The pixels that the volume's box may cover: `[x, y, width, height]`; `None` where it is out of view.
+fn tile(node: &NodeContext<'_>) -> Result<Option<[u32; 4]>, Finding> {
+    let corners = placement::volume(node, "volume")?.grid().corners_world();
+    Ok(node.view().and_then(|view| view.pixel_bounds(&corners)))
+}
+
+/// The table nodes may be the user's own, with sizes of their own.
+fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
+    for (port, param) in [("transfer_table", "table_size"), ("preintegration_table", "preintegration_size")] {
+        if let Some(writer) = node.writer(port)
+            && writer.uint(param) < 2
+        {
+            return Err(node.error("bad-param", format!("its input `{port}` comes from a node without `{param}`")));
+        }
+    }
+    Ok(())
+}
+
+/// The members of the uniform `transfer` (see `lib/transfer.wgsl`).
+fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
+    let transfer = transfer_table::transfer(node, "transfer")?;
+    let volume = placement::volume(node, "volume")?;
+    let (mut low, mut high) = transfer.range();
+    if transfer.domain() == Domain::Normalised {
+        let (from, to) = normalised_range(volume);
+        (low, high) = (from + low * (to - from), from + high * (to - from));
+    }
+    let voxel = volume.grid().min_spacing();
+    let last = |port: &str, param: &str| {
+        node.writer(port).map_or(1.0, |writer| f64::from(writer.uint(param).max(2) - 1))
+    };
+    let entries = last("transfer_table", "table_size");
+    let preintegration = last("preintegration_table", "preintegration_size");
+    let preintegration_step = node.writer("preintegration_table").map_or(1.0, |writer| writer.float("step"));
+    Ok(vec![
+        ("low", f32_value(low)),
+        ("entries_per_scalar", f32_value(entries / (high - low))),
+        ("last_entry", f32_value(entries)),
+        ("preintegration_per_scalar", f32_value(preintegration / (high - low))),
+        ("preintegration_last", f32_value(preintegration)),
+        ("references_per_world", f32_value(transfer.reference_length().extinction_per_world(voxel))),
+        ("preintegration_length", f32_value(preintegration_step * voxel)),
+    ])
+}
+
+/// What 0 and 1 of a normalised transfer function stand for: the stored type's range, for floats the data's.
+fn normalised_range(volume: &volgraph_volume::Volume) -> (f64, f64) {
+    let range = volume
+        .voxels()
+        .scalar_type()
+        .range()
+        .or_else(|| volume.statistics().range())
+        .unwrap_or((0.0, 1.0));
+    if range.1 > range.0 { range } else { (range.0, range.0 + 1.0) }
+}

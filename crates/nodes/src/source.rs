@@ -1,0 +1,70 @@
+//! The sources: volumes from files and from functions, transfer functions, images.
+
+pub mod analytic;
+pub mod image;
+pub mod transfer;
+pub mod volume;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use volgraph_report::Finding;
+use volgraph_shader::ParamValue;
+
+/// The given fields of a source, already checked against its kind's specs.
+struct Given<'a>(&'a BTreeMap<String, ParamValue>);
+
+impl Given<'_> {
+    fn text(&self, name: &str) -> Option<&str> {
+        match self.0.get(name) {
+            Some(ParamValue::Text(text)) => Some(text),
+            _ => None,
+        }
+    }
+
+    fn path(&self, name: &str, base: &Path) -> Result<PathBuf, Finding> {
+        match self.text(name) {
+            Some(path) if !path.is_empty() => Ok(base.join(path)),
+            _ => Err(Finding::error("missing-field", format!("the field `{name}` is missing"))
+                .help(format!("add `{name}: \"…\"`, relative to the graph file"))),
+        }
+    }
+
+    fn is_set(&self, name: &str) -> bool {
+        matches!(self.0.get(name), Some(ParamValue::Bool(true)))
+    }
+
+    fn uint(&self, name: &str) -> Option<u32> {
+        match self.0.get(name) {
+            Some(ParamValue::Int(value)) => u32::try_from(*value).ok(),
+            _ => None,
+        }
+    }
+
+    fn vec3(&self, name: &str) -> Option<DVec3> {
+        match self.0.get(name) {
+            Some(ParamValue::Vector(v)) if v.len() == 3 => Some(DVec3::new(v[0], v[1], v[2])),
+            _ => None,
+        }
+    }
+
+    /// Three whole numbers of at least 1.
+    fn dims(&self, name: &str) -> Result<Option<[u32; 3]>, Finding> {
+        let Some(v) = self.vec3(name) else { return Ok(None) };
+        let mut dims = [0_u32; 3];
+        for (dim, value) in dims.iter_mut().zip(v.to_array()) {
+            if value.fract() != 0.0 || !(1.0..=f64::from(u32::MAX)).contains(&value) {
+                return Err(Finding::error(
+                    "bad-param",
+                    format!("field `{name}`: {value} is not a whole number of at least 1"),
+                ));
+            }
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked above")]
+            {
+                *dim = value as u32;
+            }
+        }
+        Ok(Some(dims))
+    }
+}

@@ -1,0 +1,76 @@
+//! `transfer(path: "transfer/engine.ron")`: a transfer function from a file.
+
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use volgraph_graph::{Digest, PortType, Source, SourceKind};
+use volgraph_optics::TransferFunction;
+use volgraph_report::Findings;
+use volgraph_shader::{ParamSpec, ParamValue};
+
+use super::Given;
+
+/// The source kind `transfer`.
+pub struct TransferKind;
+
+/// A loaded transfer function.
+#[derive(Debug)]
+pub struct TransferSource {
+    /// The transfer function.
+    pub transfer: Arc<TransferFunction>,
+    path: PathBuf,
+}
+
+impl SourceKind for TransferKind {
+    fn name(&self) -> &'static str {
+        "transfer"
+    }
+
+    fn doc(&self) -> &'static str {
+        "A transfer function from a RON file: colour and opacity over the scalar."
+    }
+
+    fn ty(&self) -> PortType {
+        PortType::Transfer
+    }
+
+    fn params(&self) -> Vec<ParamSpec> {
+        vec![ParamSpec::text("path", "", "The file, relative to the graph file.")]
+    }
+
+    fn load(
+        &self,
+        params: &BTreeMap<String, ParamValue>,
+        base: &Path,
+        _progress: volgraph_graph::Progress<'_>,
+    ) -> Result<Arc<dyn Source>, Findings> {
+        let path = Given(params).path("path", base)?;
+        let transfer = Arc::new(TransferFunction::load(&path)?);
+        Ok(Arc::new(TransferSource { transfer, path }))
+    }
+}
+
+impl Source for TransferSource {
+    fn ty(&self) -> PortType {
+        PortType::Transfer
+    }
+
+    fn digest(&self) -> Digest {
+        self.transfer.digest()
+    }
+
+    fn summary(&self) -> String {
+        let (lo, hi) = self.transfer.range();
+        format!("{} {:?} {lo}..{hi}", self.path.display(), self.transfer.domain())
+    }
+
+    fn files(&self) -> Vec<PathBuf> {
+        vec![self.path.clone()]
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}

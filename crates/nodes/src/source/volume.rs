@@ -1,0 +1,160 @@
+//! `volume(path: "engine_256x256x128_uint8.raw.gz")`: a volume from a file.
+
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use glam::DVec3;
+use volgraph_graph::{Digest, PortType, Source, SourceKind};
+use volgraph_report::{Finding, Findings};
+use volgraph_shader::{ParamSpec, ParamValue};
+use volgraph_volume::{LoadOptions, ScalarType, Volume};
+
+use super::Given;
+
+/// The source kind `volume`.
+pub struct VolumeKind;
+
+/// A loaded volume.
+#[derive(Debug)]
+pub struct VolumeSource {
+    /// The volume.
+    pub volume: Arc<Volume>,
+}
+
+impl SourceKind for VolumeKind {
+    fn name(&self) -> &'static str {
+        "volume"
+    }
+
+    fn doc(&self) -> &'static str {
+        "A volume from a file: raw (dimensions and type in its name), NRRD or MetaImage."
+    }
+
+    fn ty(&self) -> PortType {
+        PortType::Volume
+    }
+
+    fn params(&self) -> Vec<ParamSpec> {
+        vec![
+            ParamSpec::text("path", "", "The file, relative to the graph file."),
+            ParamSpec::vector("dims", &[0.0; 3], "Voxels along x, y, z of a raw file whose name does not say."),
+            ParamSpec::text("type", "", "Scalar type of a raw file whose name does not say, such as uint8."),
+            ParamSpec::bool("big_endian", false, "A raw file has its highest byte first."),
+            ParamSpec::vector("spacing", &[0.0; 3], "Distances between voxels in world units, instead of the file's."),
+            ParamSpec::vector("origin", &[0.0; 3], "World position of the first voxel's centre, instead of the file's."),
+            ParamSpec::bool("node_centred", false, "The box spans voxel centre to voxel centre."),
+            ParamSpec::int("component", 0, "Which of several values per voxel.").range(0.0, 65535.0),
+        ]
+    }
+
+    fn load(
+        &self,
+        params: &BTreeMap<String, ParamValue>,
+        base: &Path,
+        progress: volgraph_graph::Progress<'_>,
+    ) -> Result<Arc<dyn Source>, Findings> {
+        let given = Given(params);
+        let path = given.path("path", base)?;
+        let scalar_type = match given.text("type").filter(|name| !name.is_empty()) {
+            None => None,
+            Some(name) => Some(ScalarType::parse(name).ok_or_else(|| {
+                Finding::error("bad-param", format!("field `type`: `{name}` is not a scalar type"))
+                    .help("use uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64")
+            })?),
+        };
+        let options = LoadOptions {
+            dims: given.dims("dims")?,
+            scalar_type,
+            big_endian: given.is_set("big_endian"),
+            spacing: given.vec3("spacing"),
+            origin: given.vec3("origin"),
+            node_centred: given.is_set("node_centred"),
+            component: given.uint("component"),
+            max_bytes: None,
+            progress: None,
+        };
+        let volume = load_with_progress(&path, options, progress)?;
+        Ok(Arc::new(VolumeSource { volume: Arc::new(volume) }))
+    }
+}
+
+/// The reader reports from its own thread's closure; it is handed on from here, where `progress` may be borrowed.
+fn load_with_progress(
+    path: &Path,
+    mut options: LoadOptions,
+    progress: volgraph_graph::Progress<'_>,
+) -> Result<Volume, Findings> {
+    let latest = Arc::new(Mutex::new((0_u64, 0_u64)));
+    let seen = Arc::clone(&latest);
+    options.progress = Some(Arc::new(move |done, total| {
+        *seen.lock().unwrap_or_else(PoisonError::into_inner) = (done, total);
+    }));
+    std::thread::scope(|scope| {
+        let reader = scope.spawn(|| Volume::load(path, &options));
+        while !reader.is_finished() {
+            std::thread::sleep(std::time::Duration::from_millis(2));
+            let (done, total) = *latest.lock().unwrap_or_else(PoisonError::into_inner);
+            progress(done, total);
+        }
+        match reader.join() {
+            Ok(result) => result.map_err(|error| Findings::from(Finding::from(error))),
+            Err(_) => Err(Finding::error("internal", format!("the reader of `{}` panicked", path.display()))
+                .help("please report this file")
+                .into()),
+        }
+    })
+}
+
+impl Source for VolumeSource {
+    fn ty(&self) -> PortType {
+        PortType::Volume
+    }
+
+    fn digest(&self) -> Digest {
+        *self.volume.digest().as_bytes()
+    }
+
+    fn summary(&self) -> String {
+        let grid = self.volume.grid();
+        let [x, y, z] = grid.dims;
+        let spacing = grid.spacing();
+        format!(
+            "{} {x}x{y}x{z} {}, spacing {} {} {}",
+            self.volume.name(),
+            self.volume.voxels().scalar_type().name(),
+            spacing.x,
+            spacing.y,
+            spacing.z
+        )
+    }
+
+    fn files(&self) -> Vec<PathBuf> {
+        self.volume.source_files().to_vec()
+    }
+
+    fn corners(&self) -> Vec<DVec3> {
+        self.volume.grid().corners_world().to_vec()
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        let mut warnings = self.volume.warnings().to_vec();
+        let statistics = self.volume.statistics();
+        if statistics.nan_count > 0 {
+            warnings.push(format!(
+                "{} voxels are not numbers; they are read as the smallest value",
+                statistics.nan_count
+            ));
+        }
+        let infinite = statistics.positive_infinity_count + statistics.negative_infinity_count;
+        if infinite > 0 {
+            warnings.push(format!("{infinite} voxels are infinite; they are read as the nearest finite value"));
+        }
+        warnings
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}

@@ -1,0 +1,87 @@
+//! `transfer_table`: a transfer function as a table for post-classification.
+
+use std::sync::Arc;
+
+use volgraph_graph::{
+    InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement, ResourceDesc, Size, UploadBytes,
+};
+use volgraph_optics::TransferFunction;
+use volgraph_report::Finding;
+use volgraph_shader::ParamSpec;
+use wgpu_types::TextureFormat;
+
+use crate::source::transfer::TransferSource;
+
+/// The node kind `transfer_table`.
+pub struct TransferTable;
+
+const INPUTS: &[InputPort] = &[InputPort {
+    name: "transfer",
+    ty: PortType::Transfer,
+    requirement: Requirement::Required,
+    doc: "The transfer function.",
+}];
+
+const OUTPUTS: &[OutputPort] = &[OutputPort {
+    name: "table",
+    ty: PortType::Table1d,
+    doc: "Linear colour and extinction per reference length.",
+}];
+
+/// The parameter with the number of entries, for kinds that call for this one.
+#[must_use]
+pub fn size_param() -> ParamSpec {
+    ParamSpec::int("table_size", 4096, "Entries of the classification table.").range(1024.0, 8192.0)
+}
+
+/// The transfer function at a node's input port.
+///
+/// # Errors
+/// `missing-input` where there is none.
+pub fn transfer(node: &NodeContext<'_>, port: &str) -> Result<Arc<TransferFunction>, Finding> {
+    node.source::<TransferSource>(port)
+        .map(|source| Arc::clone(&source.transfer))
+        .ok_or_else(|| node.error("missing-input", format!("its input `{port}` is not a transfer function")))
+}
+
+impl NodeKind for TransferTable {
+    fn name(&self) -> &'static str {
+        "transfer_table"
+    }
+
+    fn doc(&self) -> &'static str {
+        "Samples a transfer function into a table of colour and extinction."
+    }
+
+    fn inputs(&self) -> &[InputPort] {
+        INPUTS
+    }
+
+    fn outputs(&self) -> &[OutputPort] {
+        OUTPUTS
+    }
+
+    fn params(&self) -> Vec<ParamSpec> {
+        vec![size_param()]
+    }
+
+    fn output(&self, _port: &str, node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
+        Ok(ResourceDesc::Texture {
+            dimensions: 1,
+            size: Size::Absolute([node.uint("table_size"), 1, 1]),
+            format: TextureFormat::Rgba32Float,
+        })
+    }
+
+    fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
+        let transfer = transfer(node, "transfer")?;
+        let size = node.uint("table_size");
+        let bytes = UploadBytes::new(move || {
+            let table = transfer
+                .post_table(size)
+                .map_err(|error| Finding::error("table", error.to_string()))?;
+            Ok(bytemuck::cast_slice(&table.entries).to_vec())
+        });
+        Ok(vec![Pass::Upload { port: "table", bytes }])
+    }
+}

@@ -1,0 +1,79 @@
+//! `volume_texture`: a volume on the device.
+
+use std::sync::Arc;
+
+use volgraph_graph::{
+    InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement, ResourceDesc, Size, UploadBytes,
+};
+use volgraph_report::Finding;
+use volgraph_shader::ParamSpec;
+
+use crate::encoding::Encoding;
+use crate::placement::volume;
+use crate::source::volume::VolumeSource;
+
+/// The node kind `volume_texture`.
+pub struct VolumeTexture;
+
+const INPUTS: &[InputPort] = &[InputPort {
+    name: "volume",
+    ty: PortType::Volume,
+    requirement: Requirement::Required,
+    doc: "The volume.",
+}];
+
+const OUTPUTS: &[OutputPort] =
+    &[OutputPort { name: "texture", ty: PortType::VolumeTexture, doc: "Its scalars as a 3D texture." }];
+
+/// The parameter that chooses the storage, for kinds that call for this one.
+#[must_use]
+pub fn storage_param() -> ParamSpec {
+    ParamSpec::choice(
+        "volume_storage",
+        &["auto", "r8unorm", "r16float", "r32float"],
+        "auto",
+        "How scalars are stored: auto takes half floats where they are exact, else floats where they can be filtered.",
+    )
+}
+
+impl NodeKind for VolumeTexture {
+    fn name(&self) -> &'static str {
+        "volume_texture"
+    }
+
+    fn doc(&self) -> &'static str {
+        "Uploads a volume as a 3D texture."
+    }
+
+    fn inputs(&self) -> &[InputPort] {
+        INPUTS
+    }
+
+    fn outputs(&self) -> &[OutputPort] {
+        OUTPUTS
+    }
+
+    fn params(&self) -> Vec<ParamSpec> {
+        vec![storage_param()]
+    }
+
+    fn output(&self, _port: &str, node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
+        let volume = volume(node, "volume")?;
+        let format = Encoding::choose(volume, node.text("volume_storage"), node.limits()).format;
+        if format == wgpu_types::TextureFormat::R32Float && !node.limits().float32_filterable {
+            return Err(node
+                .error("over-limit", "this device cannot filter r32float textures (feature float32-filterable)")
+                .help("set `volume_storage` to `auto` or `r16float`"));
+        }
+        Ok(ResourceDesc::Texture { dimensions: 3, size: Size::Absolute(volume.grid().dims), format })
+    }
+
+    fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
+        let encoding = Encoding::choose(volume(node, "volume")?, node.text("volume_storage"), node.limits());
+        let volume = node.source::<VolumeSource>("volume").map(|source| Arc::clone(&source.volume));
+        let bytes = UploadBytes::new(move || {
+            Ok(volume.as_ref().map(|volume| encoding.encode(volume)).unwrap_or_default())
+        });
+        Ok(vec![Pass::Upload { port: "texture", bytes }])
+    }
+}

@@ -1,0 +1,238 @@
+//! The arguments of all commands.
+
+use std::path::PathBuf;
+
+use clap::{Args as ClapArgs, Parser, Subcommand};
+use volgraph::{AdapterChoice, CameraDesc, Overrides, ParamOverride, ShaderFolders};
+
+/// Draws volumes with WGSL shaders that plug into a render graph, and says how wrong each picture is.
+#[derive(Parser, Debug)]
+#[command(name = "volgraph", version)]
+pub struct Args {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Render a graph into a picture.
+    Render(RenderArgs),
+    /// Print what a graph comes to: nodes, bindings, sizes, memory, conventions.
+    Plan(PlanArgs),
+    /// Check shaders, graphs and transfer functions; folders are searched.
+    Check(CheckArgs),
+    /// Print a volume's dimensions, placement and statistics.
+    Info(InfoArgs),
+    /// Compare two pictures: RMSE, maximum, 99.9th percentile, PSNR, FLIP.
+    Compare(CompareArgs),
+    /// List node kinds and source kinds with their ports and parameters.
+    Nodes(NodesArgs),
+    /// List the adapters, the best first.
+    Adapters(AdaptersArgs),
+    /// Time the frames of a graph while the camera turns.
+    Bench(BenchArgs),
+}
+
+/// What all commands on graphs share.
+#[derive(ClapArgs, Debug)]
+pub struct SceneArgs {
+    /// The graph file.
+    pub graph: PathBuf,
+    /// Width and height of the picture in pixels.
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = parse_size)]
+    pub size: [u32; 2],
+    /// Set a parameter, a slot or a source's field; may be given again.
+    #[arg(long, value_name = "NODE.PARAM=VALUE | NODE.slots.SLOT=CHOICE", value_parser = ParamOverride::parse)]
+    pub set: Vec<ParamOverride>,
+    /// Draw another volume file for a source of the graph; may be given again.
+    #[arg(long, value_name = "NAME=FILE", value_parser = parse_volume)]
+    pub volume: Vec<(String, PathBuf)>,
+    /// The camera, as a graph writes it: orbit(azimuth: 40, elevation: 25) or look_at(eye: (1, 2, 3)).
+    #[arg(long, value_name = "CAMERA", value_parser = parse_camera)]
+    pub camera: Option<CameraDesc>,
+    /// A folder of your own shaders, searched first; may be given again.
+    #[arg(long, value_name = "FOLDER", env = "VOLGRAPH_SHADERS", value_delimiter = ':')]
+    pub shaders: Vec<PathBuf>,
+    /// The adapter: part of its name, a backend (vulkan, gl, metal, dx12) or a class (discrete, software, …).
+    #[arg(long, value_name = "WORDS", env = "VOLGRAPH_ADAPTER")]
+    pub adapter: Option<String>,
+}
+
+impl SceneArgs {
+    /// What they change in the graph.
+    pub fn overrides(&self) -> Overrides {
+        Overrides { params: self.set.clone(), volumes: self.volume.clone(), camera: self.camera.clone() }
+    }
+
+    /// Where shaders are.
+    pub fn shader_folders(&self) -> ShaderFolders {
+        ShaderFolders { own: self.shaders.clone() }
+    }
+
+    /// Which adapter.
+    pub fn adapter_choice(&self) -> AdapterChoice {
+        AdapterChoice::new(self.adapter.as_deref())
+    }
+}
+
+/// `volgraph render`.
+#[derive(ClapArgs, Debug)]
+pub struct RenderArgs {
+    /// The graph and its changes.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// The picture: .png, or .exr with depth and opacity.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Bits of each PNG component: 8 or 16.
+    #[arg(long, value_name = "BITS", default_value = "8", value_parser = ["8", "16"])]
+    pub png_bits: String,
+    /// Print what ran, times and memory as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `volgraph plan`.
+#[derive(ClapArgs, Debug)]
+pub struct PlanArgs {
+    /// The graph and its changes. Without an adapter the plan is for what WebGPU guarantees everywhere.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Print JSON.
+    #[arg(long, conflicts_with = "dot")]
+    pub json: bool,
+    /// Print a drawing in the DOT language.
+    #[arg(long)]
+    pub dot: bool,
+}
+
+/// `volgraph check`.
+#[derive(ClapArgs, Debug)]
+pub struct CheckArgs {
+    /// Files and folders.
+    #[arg(required = true)]
+    pub paths: Vec<PathBuf>,
+    /// A folder of your own shaders, searched first; may be given again.
+    #[arg(long, value_name = "FOLDER", env = "VOLGRAPH_SHADERS", value_delimiter = ':')]
+    pub shaders: Vec<PathBuf>,
+    /// How findings are printed.
+    #[arg(long, default_value = "human")]
+    pub format: FindingFormat,
+}
+
+/// How findings are printed.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FindingFormat {
+    /// With excerpts, for people.
+    #[default]
+    Human,
+    /// One JSON array.
+    Json,
+    /// Annotations of GitHub Actions.
+    Github,
+}
+
+/// `volgraph info`.
+#[derive(ClapArgs, Debug)]
+pub struct InfoArgs {
+    /// The volume file.
+    pub volume: PathBuf,
+    /// Dimensions of a raw file whose name does not say.
+    #[arg(long, value_name = "XxYxZ", value_parser = parse_dims)]
+    pub dims: Option<[u32; 3]>,
+    /// Scalar type of a raw file whose name does not say, such as uint8.
+    #[arg(long = "type", value_name = "TYPE")]
+    pub scalar_type: Option<String>,
+    /// A raw file has its highest byte first.
+    #[arg(long)]
+    pub big_endian: bool,
+    /// Which of several values per voxel, from 0.
+    #[arg(long)]
+    pub component: Option<u32>,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `volgraph compare`.
+#[derive(ClapArgs, Debug)]
+pub struct CompareArgs {
+    /// A picture.
+    pub a: PathBuf,
+    /// The picture that it is held against.
+    pub b: PathBuf,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `volgraph nodes`.
+#[derive(ClapArgs, Debug)]
+pub struct NodesArgs {
+    /// Only this kind.
+    pub kind: Option<String>,
+    /// A folder of your own shaders, searched first; may be given again.
+    #[arg(long, value_name = "FOLDER", env = "VOLGRAPH_SHADERS", value_delimiter = ':')]
+    pub shaders: Vec<PathBuf>,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `volgraph adapters`.
+#[derive(ClapArgs, Debug)]
+pub struct AdaptersArgs {
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `volgraph bench`.
+#[derive(ClapArgs, Debug)]
+pub struct BenchArgs {
+    /// The graph and its changes.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Frames that are timed.
+    #[arg(long, default_value_t = 9)]
+    pub frames: u32,
+    /// Frames before them that are not.
+    #[arg(long, default_value_t = 3)]
+    pub warm_up: u32,
+    /// Degrees that the camera turns around its up direction from frame to frame.
+    #[arg(long, default_value_t = 1.0)]
+    pub turn: f64,
+    /// Time drawing alone, without reading pixels back.
+    #[arg(long)]
+    pub no_read_back: bool,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let (width, height) = text.split_once('x').ok_or("write it as WIDTHxHEIGHT, such as 512x512")?;
+    let side = |text: &str| match text.parse::<u32>() {
+        Ok(n) if n > 0 => Ok(n),
+        _ => Err(format!("`{text}` is not a number of pixels of at least 1")),
+    };
+    Ok([side(width)?, side(height)?])
+}
+
+fn parse_dims(text: &str) -> Result<[u32; 3], String> {
+    let sides: Vec<u32> = text.split('x').map_while(|side| side.parse().ok().filter(|n| *n > 0)).collect();
+    <[u32; 3]>::try_from(sides).map_err(|_| "write it as XxYxZ, such as 256x256x128".to_owned())
+}
+
+fn parse_volume(text: &str) -> Result<(String, PathBuf), String> {
+    match text.split_once('=') {
+        Some((name, file)) if !name.is_empty() && !file.is_empty() => Ok((name.to_owned(), PathBuf::from(file))),
+        _ => Err("write it as NAME=FILE, with the name of a source of the graph".to_owned()),
+    }
+}
+
+fn parse_camera(text: &str) -> Result<CameraDesc, String> {
+    volgraph_graph::read::camera_text("--camera".as_ref(), text).map_err(|findings| findings.to_string())
+}

@@ -1,0 +1,83 @@
+//! `volgraph bench`: the time of frames while the camera turns.
+
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::time::Instant;
+
+use glam::DQuat;
+use serde_json::json;
+use volgraph::{Session, SessionOptions};
+use volgraph_gpu::Gpu;
+use volgraph_measure::timing::Summary;
+
+use super::load;
+use crate::args::BenchArgs;
+use crate::output;
+
+pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
+    let scene = load(&args.scene)?;
+    let options = SessionOptions {
+        adapter: args.scene.adapter_choice(),
+        size: args.scene.size,
+        overrides: args.scene.overrides(),
+        shader_folders: args.scene.shader_folders(),
+        with_layers: false,
+    };
+    let gpu = Arc::new(Gpu::open(&options.adapter)?);
+    let mut session = Session::start(scene, gpu, &options)?;
+    let first = *session.view();
+    let target = middle(&session);
+    let mut frame_ms = Vec::new();
+    let mut gpu_ms: Vec<f64> = Vec::new();
+    let mut last = None;
+    for frame in 0..args.warm_up + args.frames {
+        let turn = DQuat::from_axis_angle(first.camera.up, (f64::from(frame) * args.turn).to_radians());
+        let mut camera = first.camera;
+        camera.eye = target + turn * (first.camera.eye - target);
+        camera.right = turn * camera.right;
+        camera.forward = turn * camera.forward;
+        session.place_camera(camera);
+        let start = Instant::now();
+        let report = session.draw()?;
+        if !args.no_read_back {
+            session.read("color")?;
+        }
+        if frame >= args.warm_up {
+            frame_ms.push(start.elapsed().as_secs_f64() * 1e3);
+            gpu_ms.push(report.nodes.iter().filter_map(|node| node.gpu_ms).sum());
+        }
+        last = Some(report);
+    }
+    let frames = Summary::of(&frame_ms)?;
+    let device = Summary::of(&gpu_ms)?;
+    if args.json {
+        output::print_json(&json!({
+            "adapter": session.adapter(),
+            "size": args.scene.size,
+            "reads_back": !args.no_read_back,
+            "frame_ms": { "min": frames.min, "median": frames.median, "max": frames.max, "all": frame_ms },
+            "gpu_ms": { "min": device.min, "median": device.median, "max": device.max },
+            "last_frame": last,
+        }));
+    } else {
+        output::print(&format!(
+            "{} frames of {}x{} on {}: median {:.1} ms, {:.1} to {:.1}; on the device {:.1} ms",
+            frames.n,
+            args.scene.size[0],
+            args.scene.size[1],
+            session.adapter(),
+            frames.median,
+            frames.min,
+            frames.max,
+            device.median
+        ));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The middle of everything drawn, around which the camera turns.
+fn middle(session: &Session) -> glam::DVec3 {
+    let corners = session.plan().corners();
+    let sum: glam::DVec3 = corners.iter().sum();
+    if corners.is_empty() { sum } else { sum / corners.len() as f64 }
+}

@@ -1,0 +1,30 @@
+//! `volgraph plan`: what a graph comes to.
+
+use std::process::ExitCode;
+
+use volgraph::Limits;
+use volgraph_gpu::Gpu;
+
+use super::load;
+use crate::args::PlanArgs;
+use crate::output;
+
+pub fn run(args: &PlanArgs) -> anyhow::Result<ExitCode> {
+    let scene = load(&args.scene)?;
+    let (limits, capabilities) = match &args.scene.adapter {
+        Some(_) => {
+            let gpu = Gpu::open(&args.scene.adapter_choice())?;
+            (gpu.limits(), gpu.capabilities())
+        }
+        None => (Limits::default(), naga::valid::Capabilities::default()),
+    };
+    let plan = scene.plan(&scene.shader_library(capabilities), &limits, args.scene.size, false)?;
+    if args.json {
+        output::print_json(&plan.to_json());
+    } else if args.dot {
+        output::print(&plan.to_dot());
+    } else {
+        output::print(&plan.to_text());
+    }
+    Ok(ExitCode::SUCCESS)
+}

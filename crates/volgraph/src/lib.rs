@@ -1,0 +1,32 @@
+//! volgraph as a library: scenes, sessions and pictures as plain owned values.
+//!
+//! The way of the data: [`Scene::load`] reads a graph file and its sources, with the [`Overrides`] of the command
+//! line; [`Scene::plan`] decides everything without a GPU. A [`Session`] opens a device, installs the plan and
+//! renders [`Picture`]s, as often as wanted: what did not change is not done again. [`metadata`] is what every
+//! picture carries, so that it can be rendered again. [`ShaderFolders`] says where shaders are looked for.
+//!
+//! ```no_run
+//! use volgraph::{Session, SessionOptions};
+//!
+//! let mut session = Session::open("graphs/quickstart.ron", &SessionOptions::default())?;
+//! let (picture, report) = session.render()?;
+//! picture.save("quickstart.png".as_ref(), Default::default())?;
+//! println!("{:?} ran", report.ran());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod metadata;
+mod overrides;
+mod scene;
+mod session;
+mod shaders;
+
+pub use overrides::{Overrides, ParamOverride};
+pub use scene::{NoProgress, Scene, SourceProgress};
+pub use session::{Session, SessionOptions};
+pub use shaders::{EMBEDDED_SHADERS, ShaderFolders};
+pub use volgraph_gpu::{AdapterChoice, AdapterSummary, FrameReport, list_adapters};
+pub use volgraph_graph::{Camera, CameraDesc, GraphDesc, Limits, Plan, Registry, View};
+pub use volgraph_nodes::registry;
+pub use volgraph_picture::Picture;
+pub use volgraph_report::{Finding, Findings, Place};

@@ -1,0 +1,41 @@
+//! What the command line prints: results on standard output, findings and warnings on standard error.
+
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "printing is this module's work")]
+
+use std::io::IsTerminal;
+use std::process::ExitCode;
+
+use volgraph::Findings;
+use volgraph_report::excerpt;
+
+/// Prints a result.
+pub fn print(text: &str) {
+    // A closed pipe (as of `| head`) is no error worth a panic.
+    use std::io::Write;
+    let _ = writeln!(std::io::stdout().lock(), "{}", text.trim_end());
+}
+
+/// Prints a value as JSON.
+pub fn print_json(value: &serde_json::Value) {
+    print(&format!("{value:#}"));
+}
+
+/// Prints a warning.
+pub fn warn(text: &str) {
+    eprintln!("warning: {text}");
+}
+
+/// Prints all findings with excerpts.
+pub fn report(findings: &Findings) {
+    let color = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    eprintln!("{}", excerpt::render(findings, excerpt::from_disk, color));
+}
+
+/// Prints why a command failed: findings with excerpts, anything else with its causes.
+pub fn fail(error: &anyhow::Error) -> ExitCode {
+    match error.downcast_ref::<Findings>() {
+        Some(findings) => report(findings),
+        None => eprintln!("error: {error:#}"),
+    }
+    ExitCode::from(1)
+}

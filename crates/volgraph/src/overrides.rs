@@ -1,0 +1,124 @@
+//! What the command line changes in a graph before it is looked at.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use volgraph_graph::{CameraDesc, GraphDesc, ParamDesc, SourceDesc};
+use volgraph_report::{Finding, Findings, Place, did_you_mean};
+use volgraph_shader::ParamValue;
+
+/// Changes to a graph, in the words of the command line.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Overrides {
+    /// `--set node.param=value`, in their order.
+    pub params: Vec<ParamOverride>,
+    /// `--volume name=FILE`: (source name, file).
+    pub volumes: Vec<(String, PathBuf)>,
+    /// `--camera …`.
+    pub camera: Option<CameraDesc>,
+}
+
+/// One `--set`: `node.param=value`, `node.slots.slot=choice` or `source.field=value`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ParamOverride {
+    /// The node's or source's name.
+    pub target: String,
+    /// Whether it is a slot's choice.
+    pub is_slot: bool,
+    /// The parameter, field or slot.
+    pub name: String,
+    /// The value, by its form.
+    pub value: ParamValue,
+    /// As it was typed, for findings.
+    pub typed: String,
+}
+
+impl ParamOverride {
+    /// Reads `node.param=value`. A value that is not RON is taken as a text, so that quotes may be left out.
+    ///
+    /// # Errors
+    /// What is missing.
+    pub fn parse(typed: &str) -> Result<Self, String> {
+        let (path, value) = typed.split_once('=').ok_or("write it as node.param=value")?;
+        let (target, name) = path.trim().split_once('.').ok_or("name a node and its parameter: node.param=value")?;
+        let (is_slot, name) = match name.strip_prefix("slots.") {
+            Some(slot) => (true, slot),
+            None => (false, name),
+        };
+        if target.is_empty() || name.is_empty() {
+            return Err("name a node and its parameter: node.param=value".to_owned());
+        }
+        let value = value.trim();
+        let value = volgraph_graph::read::param_text(Path::new("--set"), value)
+            .unwrap_or_else(|_| ParamValue::Text(value.to_owned()));
+        Ok(Self { target: target.to_owned(), is_slot, name: name.to_owned(), value, typed: typed.to_owned() })
+    }
+
+    fn desc(&self) -> ParamDesc {
+        let place = self.place();
+        ParamDesc { value: self.value.clone(), name_place: place.clone(), place }
+    }
+
+    fn place(&self) -> Place {
+        Place::whole_file(format!("--set {}", self.typed))
+    }
+}
+
+impl Overrides {
+    /// Changes the graph. Whether parameters exist and fit is checked with those of the file.
+    ///
+    /// # Errors
+    /// `unknown-node` for a name that is no node or source.
+    pub fn apply(&self, desc: &mut GraphDesc) -> Result<(), Findings> {
+        let mut findings = Findings::new();
+        for (name, file) in &self.volumes {
+            let place = Place::whole_file(format!("--volume {name}={}", file.display()));
+            let Some(source) = desc.sources.get_mut(name) else {
+                findings.push(unknown(name, &place, desc.sources.keys()));
+                continue;
+            };
+            // Paths of the command line start at the current folder, those of the file at the file's.
+            let path = std::path::absolute(file).unwrap_or_else(|_| file.clone());
+            let value = ParamValue::Text(path.display().to_string());
+            let path = ParamDesc { value, name_place: place.clone(), place: place.clone() };
+            *source = SourceDesc { kind: "volume".to_owned(), params: [("path".to_owned(), path)].into(), place };
+        }
+        for set in &self.params {
+            if let Some(node) = desc.nodes.get_mut(&set.target) {
+                let values = if set.is_slot { &mut node.slots } else { &mut node.params };
+                values.insert(set.name.clone(), set.desc());
+            } else if let (Some(source), false) = (desc.sources.get_mut(&set.target), set.is_slot) {
+                source.params.insert(set.name.clone(), set.desc());
+            } else {
+                findings.push(unknown(&set.target, &set.place(), desc.nodes.keys().chain(desc.sources.keys())));
+            }
+        }
+        if let Some(camera) = &self.camera {
+            desc.camera = Some(camera.clone());
+        }
+        findings.into_result(())
+    }
+}
+
+fn unknown<'a>(name: &str, place: &Place, known: impl Iterator<Item = &'a String>) -> Finding {
+    Finding::error("unknown-node", format!("the graph has nothing named `{name}`"))
+        .at(place.clone())
+        .help_opt(did_you_mean(name, known.map(String::as_str)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_ron_or_bare_texts() {
+        let parse = |typed| ParamOverride::parse(typed).unwrap();
+        assert_eq!(parse("image.step=0.5").value, ParamValue::Float(0.5));
+        assert_eq!(parse("image.stage=compute").value, ParamValue::Text("compute".to_owned()));
+        assert_eq!(parse("light.direction=(1, 0, 0)").value, ParamValue::Vector(vec![1.0, 0.0, 0.0]));
+        let slot = parse("image.slots.classify=post");
+        assert_eq!((slot.is_slot, slot.name.as_str()), (true, "classify"));
+        assert!(ParamOverride::parse("image.step").is_err());
+        assert!(ParamOverride::parse("step=1").is_err());
+    }
+}

@@ -1,0 +1,150 @@
+//! A graph and its sources, loaded: all that a plan is made of, without a GPU.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use indexmap::IndexMap;
+use naga::valid::Capabilities;
+use volgraph_graph::demand::ShaderLibrary;
+use volgraph_graph::{GraphDesc, Limits, Plan, PlanRequest, Registry, Source, read, sources};
+use volgraph_report::{Finding, Findings, Place};
+
+use crate::overrides::Overrides;
+use crate::shaders::ShaderFolders;
+
+/// Graph files are at most this long.
+const MAX_GRAPH_BYTES: u64 = 4 << 20;
+
+/// Told how much of a source is read: its name, bytes so far, bytes in all (0 where unknown).
+pub trait SourceProgress: Sync {
+    /// Called while sources are read.
+    fn progress(&self, source: &str, done: u64, total: u64);
+}
+
+/// Tells nobody.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoProgress;
+
+impl SourceProgress for NoProgress {
+    fn progress(&self, _source: &str, _done: u64, _total: u64) {}
+}
+
+/// A loaded graph.
+pub struct Scene {
+    /// The graph file.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: String,
+    /// The graph, with the overrides in it.
+    pub desc: GraphDesc,
+    /// What was overridden.
+    pub overrides: Overrides,
+    /// Its sources.
+    pub sources: IndexMap<String, Arc<dyn Source>>,
+    /// The kinds it may use.
+    pub registry: Registry,
+    /// Where its shaders are.
+    pub shader_folders: ShaderFolders,
+}
+
+impl Scene {
+    /// Reads a graph file and all of its sources.
+    ///
+    /// # Errors
+    /// Everything wrong with the file and the sources, together.
+    pub fn load(
+        path: &Path,
+        overrides: &Overrides,
+        shader_folders: &ShaderFolders,
+        registry: Registry,
+        progress: &dyn SourceProgress,
+    ) -> Result<Self, Findings> {
+        let text = read_text(path)?;
+        let mut desc = read::graph(path, &text)?;
+        overrides.apply(&mut desc)?;
+        let base = folder_of(path);
+        let report = |source: &str, done: u64, total: u64| progress.progress(source, done, total);
+        let (sources, mut findings) = sources::load(&desc, &registry, &base, &report);
+        // Names can be looked up even where a source is broken: all findings at once.
+        if let Err(more) = volgraph_graph::resolve::resolve(&desc, &sources, &registry) {
+            findings.extend(more);
+        }
+        let scene = Self {
+            path: path.to_path_buf(),
+            text,
+            desc,
+            overrides: overrides.clone(),
+            sources,
+            registry,
+            shader_folders: shader_folders.clone(),
+        };
+        findings.into_result(scene)
+    }
+
+    /// The shaders, for a device with these capabilities.
+    #[must_use]
+    pub fn shader_library(&self, capabilities: Capabilities) -> ShaderLibrary {
+        let base = folder_of(&self.path);
+        ShaderLibrary::new(self.shader_folders.roots(Some(&base)), capabilities, Some(base))
+    }
+
+    /// Decides everything for a device with these limits and a picture of this size. `with_layers` asks for the
+    /// depth and opacity of the output `color` as well, where its node has them.
+    ///
+    /// # Errors
+    /// All findings of the first phase that has any.
+    pub fn plan(
+        &self,
+        shaders: &ShaderLibrary,
+        limits: &Limits,
+        size: [u32; 2],
+        with_layers: bool,
+    ) -> Result<Plan, Findings> {
+        let layers = [("depth", "color", "depth"), ("opacity", "color", "opacity")];
+        Plan::build(PlanRequest {
+            desc: &self.desc,
+            sources: &self.sources,
+            registry: &self.registry,
+            shaders,
+            limits,
+            size,
+            extra_outputs: if with_layers { &layers } else { &[] },
+        })
+    }
+
+    /// What the user should know of the sources: (source, warning).
+    #[must_use]
+    pub fn warnings(&self) -> Vec<(String, String)> {
+        self.sources
+            .iter()
+            .flat_map(|(name, source)| source.warnings().into_iter().map(|warning| (name.clone(), warning)))
+            .collect()
+    }
+}
+
+/// Reads a text file of at most 4 MiB.
+fn read_text(path: &Path) -> Result<String, Findings> {
+    let unreadable = |error: std::io::Error| {
+        Finding::error("io", format!("the graph cannot be read: {error}"))
+            .at(Place::whole_file(path))
+            .help("check that the path names a graph file in RON that you may read")
+    };
+    let metadata = fs::metadata(path).map_err(unreadable)?;
+    if metadata.is_dir() || metadata.len() > MAX_GRAPH_BYTES {
+        let what = if metadata.is_dir() { "a folder" } else { "over 4 MiB long" };
+        return Err(Finding::error("not-a-graph", format!("a graph is a RON file, and this is {what}"))
+            .at(Place::whole_file(path))
+            .help("name a graph file, such as graphs/quickstart.ron")
+            .into());
+    }
+    Ok(fs::read_to_string(path).map_err(unreadable)?)
+}
+
+/// The folder of a file; the current one for a bare name.
+pub(crate) fn folder_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.to_path_buf(),
+        _ => PathBuf::from("."),
+    }
+}
