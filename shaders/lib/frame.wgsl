@@ -35,8 +35,3 @@ fn frame_clip_from_world(world: vec3f) -> vec4f {
     let w = select(dot(from_eye, camera.forward), 1.0, lens.is_orthographic != 0u);
     return vec4f(x, y, 0.5 * w, w);
 }
-
-// Corners of one triangle that covers the picture.
-fn frame_full_screen(index: u32) -> vec4f {
-    return vec4f(f32(i32(index & 1u) * 4 - 1), f32(i32(index >> 1u) * 4 - 1), 0.5, 1.0);
-}

@@ -2,12 +2,12 @@
 #import "lib/frame.wgsl"
 #import slot "pattern"
 
-@vertex
-fn background_vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
-    return frame_full_screen(index);
-}
+@group(0) @binding(3) var color_out: texture_storage_2d<rgba32float, write>;
 
-@fragment
-fn background_fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    return pattern_color(frame_view_plane(position.xy));
+@compute @workgroup_size(8, 8, 1)
+fn background_compute(@builtin(global_invocation_id) id: vec3u) {
+    if any(vec2f(id.xy) >= lens.size) {
+        return;
+    }
+    textureStore(color_out, id.xy, pattern_color(frame_view_plane(vec2f(id.xy) + 0.5)));
 }

@@ -25,9 +25,6 @@ fn raycast_sample(ray: Ray, distance: f32) -> Sample {
 fn raycast_pixel(pixel: vec2f) -> RayResult {
     var ray = volume_clip_ray(ray_through(pixel));
     let length = ray.far - ray.near;
-    if !(length > 0.0) {
-        return ray_nothing();
-    }
     var state = technique_begin(ray);
     var front = raycast_sample(ray, 0.0);
     var start = 0.0;
@@ -43,8 +40,29 @@ fn raycast_pixel(pixel: vec2f) -> RayResult {
     return technique_finish(state, ray);
 }
 
-fn raycast_over(result: RayResult, pixel: vec2i) -> vec4f {
-    return result.color + (1.0 - result.color.w) * behind_color(pixel);
+fn raycast_write_color(result: RayResult, pixel: vec2i) {
+    textureStore(color_out, pixel, result.color + (1.0 - result.color.w) * behind_color(pixel));
+}
+
+fn raycast_write_layers(result: RayResult, pixel: vec2i) {
+    textureStore(depth_out, pixel, vec4f(result.depth));
+    textureStore(opacity_out, pixel, vec4f(result.color.w));
+}
+
+// What lies behind, for every pixel; rays then overwrite those that they start from.
+@compute @workgroup_size(8, 8, 1)
+fn raycast_begin(@builtin(global_invocation_id) id: vec3u) {
+    if all(vec2f(id.xy) < lens.size) {
+        raycast_write_color(ray_nothing(), vec2i(id.xy));
+    }
+}
+
+@compute @workgroup_size(8, 8, 1)
+fn raycast_begin_layers(@builtin(global_invocation_id) id: vec3u) {
+    if all(vec2f(id.xy) < lens.size) {
+        raycast_write_color(ray_nothing(), vec2i(id.xy));
+        raycast_write_layers(ray_nothing(), vec2i(id.xy));
+    }
 }
 
 // The proxy box, drawn a little larger than it is: rasterisers place corners on a grid of parts of a pixel, and no
@@ -58,39 +76,31 @@ fn raycast_vertex(@location(0) world: vec3f) -> @builtin(position) vec4f {
 }
 
 @fragment
-fn raycast_fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
-    return raycast_over(raycast_pixel(position.xy), vec2i(position.xy));
-}
-
-struct RaycastLayers {
-    @location(0) color: vec4f,
-    @location(1) depth: f32,
-    @location(2) opacity: f32,
+fn raycast_fragment(@builtin(position) position: vec4f) {
+    raycast_write_color(raycast_pixel(position.xy), vec2i(position.xy));
 }
 
 @fragment
-fn raycast_fragment_layers(@builtin(position) position: vec4f) -> RaycastLayers {
+fn raycast_fragment_layers(@builtin(position) position: vec4f) {
     let result = raycast_pixel(position.xy);
-    return RaycastLayers(raycast_over(result, vec2i(position.xy)), result.depth, result.color.w);
+    raycast_write_color(result, vec2i(position.xy));
+    raycast_write_layers(result, vec2i(position.xy));
 }
 
 @compute @workgroup_size(8, 8, 1)
 fn raycast_compute(@builtin(global_invocation_id) id: vec3u) {
-    let pixel = vec2i(id.xy + tile.first);
-    if any(vec2f(pixel) >= lens.size) {
-        return;
+    let pixel = id.xy + tile.first;
+    if all(vec2f(pixel) < lens.size) {
+        raycast_write_color(raycast_pixel(vec2f(pixel) + 0.5), vec2i(pixel));
     }
-    textureStore(color_out, pixel, raycast_over(raycast_pixel(vec2f(pixel) + 0.5), pixel));
 }
 
 @compute @workgroup_size(8, 8, 1)
 fn raycast_compute_layers(@builtin(global_invocation_id) id: vec3u) {
-    let pixel = vec2i(id.xy + tile.first);
-    if any(vec2f(pixel) >= lens.size) {
-        return;
+    let pixel = id.xy + tile.first;
+    if all(vec2f(pixel) < lens.size) {
+        let result = raycast_pixel(vec2f(pixel) + 0.5);
+        raycast_write_color(result, vec2i(pixel));
+        raycast_write_layers(result, vec2i(pixel));
     }
-    let result = raycast_pixel(vec2f(pixel) + 0.5);
-    textureStore(color_out, pixel, raycast_over(result, pixel));
-    textureStore(depth_out, pixel, vec4f(result.depth));
-    textureStore(opacity_out, pixel, vec4f(result.color.w));
 }

@@ -81,6 +81,7 @@ impl Gpu {
             max_workgroups: limits.max_compute_workgroups_per_dimension,
             float32_filterable: features.contains(Features::FLOAT32_FILTERABLE),
             norm16: features.contains(Features::TEXTURE_FORMAT_16BIT_NORM),
+            storage_3d: self.summary.backend != "gl",
             ..Limits::default()
         }
     }

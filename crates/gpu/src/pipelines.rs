@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use volgraph_graph::{Digest, Mesh, Pass, Program};
+use volgraph_graph::{Digest, Pass, Program};
 use volgraph_report::{Finding, Findings};
 use volgraph_shader::Binding;
 use wgpu::{
@@ -24,8 +24,6 @@ use crate::error::GpuError;
 pub(crate) struct PipelineKey {
     module: Digest,
     entries: Vec<&'static str>,
-    targets: Vec<String>,
-    has_mesh: bool,
     back_faces_only: bool,
     constants: Vec<(String, u64)>,
 }
@@ -43,6 +41,9 @@ pub(crate) enum PipelineKind {
     Render(RenderPipeline),
 }
 
+/// The format of the target that draw passes have and do not write.
+pub(crate) const SCRATCH_FORMAT: TextureFormat = TextureFormat::R8Unorm;
+
 /// All pipelines built so far.
 #[derive(Debug, Default)]
 pub(crate) struct Pipelines {
@@ -56,15 +57,14 @@ impl Pipelines {
         self.built.len()
     }
 
-    /// The pipeline of a pass; `None` for passes that need none. `formats` are those of the draw targets.
+    /// The pipeline of a pass; `None` for passes that need none.
     pub(crate) fn get(
         &mut self,
         gpu: &Gpu,
         program: &Program,
         pass: &Pass,
-        formats: &[TextureFormat],
     ) -> Result<Option<Arc<Pipeline>>, GpuError> {
-        let Some(key) = key(program, pass, formats) else { return Ok(None) };
+        let Some(key) = key(program, pass) else { return Ok(None) };
         if let Some(pipeline) = self.built.get(&key) {
             return Ok(Some(Arc::clone(pipeline)));
         }
@@ -80,25 +80,23 @@ impl Pipelines {
             }
         };
         let groups = groups(gpu, program, &key, &what)?;
-        let kind = gpu.scoped(&what, 0, || build(gpu, &module, &key, formats, &groups))?;
+        let kind = gpu.scoped(&what, 0, || build(gpu, &module, &key, &groups))?;
         let pipeline = Arc::new(Pipeline { kind, groups });
         self.built.insert(key, Arc::clone(&pipeline));
         Ok(Some(pipeline))
     }
 }
 
-fn key(program: &Program, pass: &Pass, formats: &[TextureFormat]) -> Option<PipelineKey> {
+fn key(program: &Program, pass: &Pass) -> Option<PipelineKey> {
     let (entries, mesh, constants) = match pass {
         Pass::Compute { entry, constants, .. } => (vec![*entry], None, constants),
-        Pass::Draw { vertex, fragment, mesh, constants, .. } => (vec![*vertex, *fragment], Some(*mesh), constants),
-        Pass::Upload { .. } | Pass::Copy { .. } | Pass::Clear { .. } => return None,
+        Pass::Draw { vertex, fragment, mesh, constants } => (vec![*vertex, *fragment], Some(mesh), constants),
+        Pass::Upload { .. } => return None,
     };
     Some(PipelineKey {
         module: program.module.linked.digest,
         entries,
-        targets: formats.iter().map(|format| format!("{format:?}")).collect(),
-        has_mesh: matches!(mesh, Some(Mesh::Input { .. })),
-        back_faces_only: matches!(mesh, Some(Mesh::Input { back_faces_only: true, .. })),
+        back_faces_only: mesh.is_some_and(|mesh| mesh.back_faces_only),
         constants: constants.iter().map(|(name, value)| (name.clone(), value.to_bits())).collect(),
     })
 }
@@ -153,7 +151,6 @@ fn build(
     gpu: &Gpu,
     module: &ShaderModule,
     key: &PipelineKey,
-    formats: &[TextureFormat],
     groups: &BTreeMap<u32, (BindGroupLayout, Vec<Binding>)>,
 ) -> PipelineKind {
     let layout = layout(gpu, groups);
@@ -174,11 +171,8 @@ fn build(
     };
     let attributes = [VertexAttribute { format: VertexFormat::Float32x3, offset: 0, shader_location: 0 }];
     let mesh = VertexBufferLayout { array_stride: 12, step_mode: VertexStepMode::Vertex, attributes: &attributes };
-    let buffers: &[Option<VertexBufferLayout<'_>>] = if key.has_mesh { &[Some(mesh)] } else { &[] };
-    let targets: Vec<Option<ColorTargetState>> = formats
-        .iter()
-        .map(|format| Some(ColorTargetState { format: *format, blend: None, write_mask: ColorWrites::ALL }))
-        .collect();
+    // The pass needs a target of the picture's size; nothing is written to it.
+    let scratch = ColorTargetState { format: SCRATCH_FORMAT, blend: None, write_mask: ColorWrites::empty() };
     PipelineKind::Render(gpu.device.create_render_pipeline(&RenderPipelineDescriptor {
         label,
         layout: Some(&layout),
@@ -186,7 +180,7 @@ fn build(
             module,
             entry_point: Some(vertex),
             compilation_options: compilation_options.clone(),
-            buffers,
+            buffers: &[Some(mesh)],
         },
         primitive: PrimitiveState {
             topology: PrimitiveTopology::TriangleList,
@@ -200,7 +194,7 @@ fn build(
             module,
             entry_point: Some(fragment),
             compilation_options,
-            targets: &targets,
+            targets: &[Some(scratch)],
         }),
         multiview_mask: None,
         cache: None,

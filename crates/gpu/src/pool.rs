@@ -10,22 +10,13 @@ use wgpu::{
     TextureUsages, TextureView,
 };
 
-/// What a resource is used for beyond being read and copied. Part of its identity.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
-pub struct Uses {
-    /// A shader writes it as a storage texture.
-    pub is_storage: bool,
-    /// A pass draws into it.
-    pub is_target: bool,
-}
-
 /// A resource on the device.
 #[derive(Debug)]
 pub struct Held {
     /// What it is.
     pub resource: ResourceKind,
-    /// What it is used for.
-    pub uses: Uses,
+    /// Whether shaders write it as a storage texture. Part of its identity.
+    pub is_storage: bool,
     /// The fingerprint of what it holds: (writer's fingerprint, output port).
     pub content: Option<(Digest, String)>,
     pub(crate) object: Object,
@@ -80,8 +71,8 @@ pub struct PoolReport {
 pub struct Wish {
     /// What it must be.
     pub resource: ResourceKind,
-    /// What it must be good for.
-    pub uses: Uses,
+    /// Whether shaders write it as a storage texture.
+    pub is_storage: bool,
     /// What it would best hold already.
     pub contents: BTreeSet<(Digest, String)>,
 }
@@ -89,7 +80,7 @@ pub struct Wish {
 /// How wishes are met from what is held: for each wish the index of a held resource, or `None` where one must be
 /// made. Content comes first, so that no wish takes what another one could keep.
 #[must_use]
-pub fn match_wishes(held: &[(ResourceKind, Uses, Option<(Digest, String)>)], wishes: &[Wish]) -> Vec<Option<usize>> {
+pub fn match_wishes(held: &[(ResourceKind, bool, Option<(Digest, String)>)], wishes: &[Wish]) -> Vec<Option<usize>> {
     let mut taken = vec![false; held.len()];
     let mut matched = vec![None; wishes.len()];
     for by_content in [true, false] {
@@ -98,10 +89,10 @@ pub fn match_wishes(held: &[(ResourceKind, Uses, Option<(Digest, String)>)], wis
                 continue;
             }
             let fits = |at: &usize| {
-                let (resource, uses, content) = &held[*at];
+                let (resource, is_storage, content) = &held[*at];
                 !taken[*at]
                     && *resource == wish.resource
-                    && *uses == wish.uses
+                    && *is_storage == wish.is_storage
                     && (!by_content || content.as_ref().is_some_and(|content| wish.contents.contains(content)))
             };
             *slot = (0..held.len()).find(fits);
@@ -113,15 +104,12 @@ pub fn match_wishes(held: &[(ResourceKind, Uses, Option<(Digest, String)>)], wis
     matched
 }
 
-pub(crate) fn make(device: &Device, resource: ResourceKind, uses: Uses) -> Held {
+pub(crate) fn make(device: &Device, resource: ResourceKind, is_storage: bool) -> Held {
     let object = match resource {
         ResourceKind::Texture { dimensions, extent, format } => {
             let mut usage = TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST | TextureUsages::COPY_SRC;
-            if uses.is_storage {
+            if is_storage {
                 usage |= TextureUsages::STORAGE_BINDING;
-            }
-            if uses.is_target {
-                usage |= TextureUsages::RENDER_ATTACHMENT;
             }
             let texture = device.create_texture(&TextureDescriptor {
                 label: None,
@@ -147,7 +135,7 @@ pub(crate) fn make(device: &Device, resource: ResourceKind, uses: Uses) -> Held 
             mapped_at_creation: false,
         })),
     };
-    Held { resource, uses, content: None, object }
+    Held { resource, is_storage, content: None, object }
 }
 
 #[cfg(test)]
@@ -157,7 +145,7 @@ mod tests {
     fn wish(bytes: u64, content: Option<u8>) -> Wish {
         Wish {
             resource: ResourceKind::Buffer { bytes },
-            uses: Uses::default(),
+            is_storage: false,
             contents: content.map(|c| ([c; 32], "out".to_owned())).into_iter().collect(),
         }
     }
@@ -165,7 +153,7 @@ mod tests {
     #[test]
     fn content_is_kept_by_whom_it_serves() {
         let held = |bytes, content: u8| {
-            (ResourceKind::Buffer { bytes }, Uses::default(), Some(([content; 32], "out".to_owned())))
+            (ResourceKind::Buffer { bytes }, false, Some(([content; 32], "out".to_owned())))
         };
         let there = [held(8, 1), held(8, 2), held(4, 3)];
         let wishes = [wish(8, None), wish(8, Some(1)), wish(4, Some(9)), wish(16, None)];
@@ -174,8 +162,7 @@ mod tests {
 
     #[test]
     fn other_uses_are_another_resource() {
-        let target = Uses { is_target: true, ..Uses::default() };
-        let there = [(ResourceKind::Buffer { bytes: 8 }, target, None)];
+        let there = [(ResourceKind::Buffer { bytes: 8 }, true, None)];
         assert_eq!(match_wishes(&there, &[wish(8, None)]), [None]);
     }
 }

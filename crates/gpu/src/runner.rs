@@ -7,14 +7,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use serde::Serialize;
-use volgraph_graph::{Digest, NodeId, Pass, Plan, ResourceKind, View};
-use volgraph_report::Finding;
-use wgpu::{AddressMode, FilterMode, Sampler, SamplerDescriptor, TextureFormat};
+use volgraph_graph::{Digest, NodeId, Plan, View};
+use wgpu::{AddressMode, FilterMode, Sampler, SamplerDescriptor, Texture};
 
 use crate::device::Gpu;
 use crate::error::GpuError;
 use crate::pipelines::Pipelines;
-use crate::pool::{Held, PoolReport, Uses, Wish, make, match_wishes};
+use crate::pool::{Held, PoolReport, Wish, make, match_wishes};
 use crate::readback::{Texels, read_texture};
 
 /// Samplers, made once.
@@ -33,6 +32,8 @@ pub struct Runner {
     held: Vec<Held>,
     pipelines: Pipelines,
     samplers: Samplers,
+    /// The target of draw passes, as large as the last view; nothing is written to it.
+    scratch: Option<Texture>,
     /// Program → the variant that was measured to be the fastest, and the times.
     chosen: BTreeMap<Digest, (&'static str, BTreeMap<&'static str, f64>)>,
     made: u64,
@@ -100,6 +101,7 @@ impl Runner {
             held: Vec::new(),
             pipelines: Pipelines::default(),
             samplers,
+            scratch: None,
             chosen: BTreeMap::new(),
             made: 0,
             reused: 0,
@@ -125,30 +127,17 @@ impl Runner {
     /// What a node kind or the device refused; the plan before is then untouched.
     pub fn install(&mut self, plan: Arc<Plan>) -> Result<(), GpuError> {
         let view = plan.view();
-        let mut targets: BTreeSet<(NodeId, String)> = BTreeSet::new();
         for &id in &plan.order {
+            let Some(program) = &plan.graph.nodes[id].program else { continue };
             for variant in self.variants_to_prove(&plan, id) {
-                let passes = plan.record(id, &view, variant)?;
-                for pass in &passes {
-                    match pass {
-                        Pass::Draw { targets: drawn, .. } => {
-                            targets.extend(drawn.iter().map(|target| (id, target.port.to_owned())));
-                        }
-                        Pass::Clear { port, .. } => {
-                            targets.insert((id, (*port).to_owned()));
-                        }
-                        _ => {}
-                    }
-                    if let Some(program) = &plan.graph.nodes[id].program {
-                        let formats = target_formats(&plan, id, pass)?;
-                        self.pipelines.get(&self.gpu, program, pass, &formats)?;
-                    }
+                for pass in plan.record(id, &view, variant)? {
+                    self.pipelines.get(&self.gpu, program, &pass)?;
                 }
             }
         }
-        let wishes = wishes(&plan, &view, &targets);
+        let wishes = wishes(&plan, &view);
         let there: Vec<_> =
-            self.held.iter().map(|held| (held.resource, held.uses, held.content.clone())).collect();
+            self.held.iter().map(|held| (held.resource, held.is_storage, held.content.clone())).collect();
         let matched = match_wishes(&there, &wishes);
         let bytes = self.memory().bytes;
         let mut fresh = Vec::new();
@@ -157,7 +146,7 @@ impl Runner {
                 Some(_) => None,
                 None => {
                     let what = format!("allocating {:?}", wish.resource);
-                    Some(self.gpu.scoped(&what, bytes, || make(&self.gpu.device, wish.resource, wish.uses))?)
+                    Some(self.gpu.scoped(&what, bytes, || make(&self.gpu.device, wish.resource, wish.is_storage))?)
                 }
             });
         }
@@ -229,39 +218,22 @@ impl Runner {
     }
 }
 
-/// The formats of a draw pass's targets.
-fn target_formats(plan: &Plan, id: NodeId, pass: &Pass) -> Result<Vec<TextureFormat>, GpuError> {
-    let Pass::Draw { targets, .. } = pass else { return Ok(Vec::new()) };
-    targets
-        .iter()
-        .map(|target| match plan.resources.get(&(id, target.port.to_owned())) {
-            Some(ResourceKind::Texture { format, .. }) => Ok(*format),
-            _ => Err(Finding::error(
-                "internal",
-                format!("node `{}` draws into `{}`, which nobody wants", plan.graph.nodes[id].name, target.port),
-            )
-            .into()),
-        })
-        .collect()
-}
-
-fn wishes(plan: &Plan, view: &View, targets: &BTreeSet<(NodeId, String)>) -> Vec<Wish> {
+fn wishes(plan: &Plan, view: &View) -> Vec<Wish> {
     let fingerprints = plan.fingerprints(view);
     let mut wishes: Vec<Wish> = plan
         .allocations
         .iter()
         .map(|allocation| Wish {
             resource: allocation.resource,
-            uses: Uses::default(),
+            is_storage: false,
             contents: BTreeSet::new(),
         })
         .collect();
     for ((id, port), allocation) in &plan.allocation_of {
         let wish = &mut wishes[*allocation];
         let binding = format!("{port}_out");
-        wish.uses.is_storage |=
+        wish.is_storage |=
             plan.graph.nodes[*id].program.as_ref().is_some_and(|program| program.uses(&binding));
-        wish.uses.is_target |= targets.contains(&(*id, port.clone()));
         wish.contents.insert((fingerprints[id], port.clone()));
     }
     wishes

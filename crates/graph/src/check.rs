@@ -4,8 +4,9 @@ use std::fmt;
 
 use serde::Serialize;
 use volgraph_report::{Finding, Findings, did_you_mean};
-use volgraph_shader::{Binding, BindingKind};
+use volgraph_shader::{Binding, BindingKind, TextureDim};
 
+use crate::PortType;
 use crate::graph::{Graph, Node, NodeBody, NodeId, Origin};
 
 /// What a binding of a shader is filled with: decided by its name alone.
@@ -120,7 +121,7 @@ pub fn binding_source(node: &Node, binding: &Binding) -> Result<BindingSource, F
 /// Checks the whole graph, nodes that nothing needs included.
 ///
 /// # Errors
-/// `type-mismatch`, `unknown-param`, `bad-param`, `unknown-binding`, `missing-input`, `cycle`.
+/// `type-mismatch`, `unknown-param`, `bad-param`, `unknown-binding`, `binding-type`, `missing-input`, `cycle`.
 pub fn check(graph: &Graph) -> Result<(), Findings> {
     let mut findings = Findings::new();
     for (id, node) in graph.nodes.iter().enumerate() {
@@ -128,14 +129,74 @@ pub fn check(graph: &Graph) -> Result<(), Findings> {
         check_params(graph, id, &mut findings);
         if let Some(program) = &node.program {
             for binding in program.used() {
-                findings.take(binding_source(node, binding));
+                if let Some(source) = findings.take(binding_source(node, binding)) {
+                    findings.take(check_binding(node, binding, &source));
+                }
             }
+        }
+    }
+    for (name, link) in &graph.outputs {
+        let writer = &graph.nodes[link.node];
+        if writer.is_source() {
+            let message = format!("output `{name}` is the source `{}`; only what a node writes is an output", writer.name);
+            let finding = Finding::error("type-mismatch", message).help("name a node and its port, such as `image.color`");
+            findings.push(match &link.place {
+                Some(place) => finding.at(place.clone()),
+                None => finding,
+            });
         }
     }
     if let Some(finding) = cycle(graph) {
         findings.push(finding);
     }
     findings.into_result(())
+}
+
+/// Whether the shader declares a binding as what its port carries.
+fn check_binding(node: &Node, binding: &Binding, source: &BindingSource) -> Result<(), Finding> {
+    let Some(kind) = node.kind() else { return Ok(()) };
+    let (ty, is_read) = match source {
+        BindingSource::Input(name) => (kind.inputs().iter().find(|port| port.name == name).map(|port| port.ty), true),
+        BindingSource::Output(name) => (kind.outputs().iter().find(|port| port.name == name).map(|port| port.ty), false),
+        _ => return Ok(()),
+    };
+    let Some(ty) = ty else { return Ok(()) };
+    let wanted = match dimension(ty) {
+        Some(dim) => (dim, is_read),
+        // Buffers and what stays on the CPU have no texture; a shader cannot bind the latter at all.
+        None if matches!(binding.kind, BindingKind::StorageBuffer { .. }) && ty == PortType::Mesh => return Ok(()),
+        None => {
+            let message = format!("the port `{}` carries a {ty}, which no binding can read", binding.name);
+            return Err(Finding::error("binding-type", message).at(binding.place.clone()));
+        }
+    };
+    let declared = match &binding.kind {
+        BindingKind::Texture { dim, multisampled: false, .. } => Some((*dim, true)),
+        BindingKind::StorageTexture { dim, .. } => Some((*dim, false)),
+        _ => None,
+    };
+    if declared == Some(wanted) {
+        return Ok(());
+    }
+    let axes = match wanted.0 {
+        TextureDim::D1 => "1d",
+        TextureDim::D2 => "2d",
+        _ => "3d",
+    };
+    let form = if is_read { format!("texture_{axes}<f32>") } else { format!("texture_storage_{axes}<…, write>") };
+    Err(Finding::error("binding-type", format!("`{}` is a {ty} of node `{}`, and declared as something else", binding.name, node.name))
+        .at(binding.place.clone())
+        .help(format!("declare it as `{form}`")))
+}
+
+/// The texture that a port's resource is; `None` for what is no texture.
+fn dimension(ty: PortType) -> Option<TextureDim> {
+    match ty {
+        PortType::Table1d => Some(TextureDim::D1),
+        PortType::Color | PortType::Scalar2d | PortType::Table2d | PortType::ImageTexture => Some(TextureDim::D2),
+        PortType::VolumeTexture | PortType::GradientTexture => Some(TextureDim::D3),
+        PortType::Volume | PortType::Transfer | PortType::Image | PortType::Mesh => None,
+    }
 }
 
 fn check_types(graph: &Graph, node: &Node, findings: &mut Findings) {
@@ -192,44 +253,16 @@ fn check_params(graph: &Graph, id: NodeId, findings: &mut Findings) {
 
 /// The first cycle, if there is one, named along its edges.
 fn cycle(graph: &Graph) -> Option<Finding> {
-    #[derive(Clone, Copy, PartialEq)]
-    enum Mark {
-        New,
-        Open,
-        Done,
-    }
-    fn visit(graph: &Graph, id: NodeId, marks: &mut [Mark], path: &mut Vec<NodeId>) -> Option<Vec<NodeId>> {
-        match marks[id] {
-            Mark::Done => return None,
-            Mark::Open => {
-                let start = path.iter().position(|at| *at == id).unwrap_or(0);
-                return Some(path[start..].to_vec());
-            }
-            Mark::New => {}
-        }
-        marks[id] = Mark::Open;
-        path.push(id);
-        for link in graph.nodes[id].inputs.values() {
-            if let Some(found) = visit(graph, link.node, marks, path) {
-                return Some(found);
-            }
-        }
-        path.pop();
-        marks[id] = Mark::Done;
-        None
-    }
-    let mut marks = vec![Mark::New; graph.nodes.len()];
-    let found = (0..graph.nodes.len()).find_map(|id| visit(graph, id, &mut marks, &mut Vec::new()))?;
+    let found = cyclic_path(graph)?;
     // The path goes from reader to writer; people read it the way the data would go.
     let mut names: Vec<&str> = found.iter().rev().map(|id| graph.nodes[*id].name.as_str()).collect();
     names.push(names[0]);
-    let finding = Finding::error("cycle", format!("the nodes form a cycle: {}", names.join(" → ")))
+    let mut finding = Finding::error("cycle", format!("the nodes form a cycle: {}", names.join(" → ")))
         .help("let one of them read from a node outside of the cycle");
     let places = found.iter().filter_map(|id| match &graph.nodes[*id].origin {
         Origin::File(place) => Some((place.clone(), graph.nodes[*id].name.clone())),
         Origin::Demanded { .. } => None,
     });
-    let mut finding = finding;
     for (place, name) in places {
         if finding.place.is_none() {
             finding = finding.at(place);
@@ -238,6 +271,38 @@ fn cycle(graph: &Graph) -> Option<Finding> {
         }
     }
     Some(finding)
+}
+
+/// The nodes of the first cycle, each a reader of the next. Without recursion: a chain may be as long as a file.
+fn cyclic_path(graph: &Graph) -> Option<Vec<NodeId>> {
+    let mut is_done = vec![false; graph.nodes.len()];
+    let mut is_open = vec![false; graph.nodes.len()];
+    for root in 0..graph.nodes.len() {
+        // The path from the root, each node with the writers that are still to be visited.
+        let mut path: Vec<(NodeId, Vec<NodeId>)> = Vec::new();
+        let mut next = (!is_done[root]).then_some(root);
+        loop {
+            if let Some(id) = next {
+                is_open[id] = true;
+                path.push((id, graph.nodes[id].inputs.values().rev().map(|link| link.node).collect()));
+            }
+            let Some((id, writers)) = path.last_mut() else { break };
+            next = writers.pop();
+            match next {
+                Some(writer) if is_open[writer] => {
+                    let start = path.iter().position(|(id, _)| *id == writer).unwrap_or(0);
+                    return Some(path[start..].iter().map(|(id, _)| *id).collect());
+                }
+                Some(writer) if is_done[writer] => next = None,
+                Some(_) => {}
+                None => {
+                    (is_open[*id], is_done[*id]) = (false, true);
+                    path.pop();
+                }
+            }
+        }
+    }
+    None
 }
 
 impl Node {

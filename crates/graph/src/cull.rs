@@ -1,6 +1,6 @@
 //! Phase 4, cull: backwards from the outputs; what nothing needs is dropped.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::graph::{Graph, NodeId, Origin};
 
@@ -20,8 +20,13 @@ pub fn cull(graph: &Graph) -> (Graph, Vec<String>) {
         for link in node.inputs.values_mut() {
             link.node = renumbered[&link.node];
         }
-        if let Origin::Demanded { by, .. } = &mut node.origin {
-            // The node that called for it reads it, so it is live as well.
+        if let Origin::Demanded { by, binding } = &mut node.origin {
+            // Equal demands share a node. Where the first that called for it is dropped, another one keeps it.
+            if !live.contains(by)
+                && let Some((reader, port)) = reader(graph, &live, id)
+            {
+                (*by, *binding) = (reader, port.to_owned());
+            }
             *by = renumbered.get(by).copied().unwrap_or(0);
         }
         kept.nodes.push(node);
@@ -31,4 +36,12 @@ pub fn cull(graph: &Graph) -> (Graph, Vec<String>) {
         link.node = renumbered[&link.node];
     }
     (kept, dropped)
+}
+
+/// The first live node that reads a node, and the port at which it does.
+fn reader<'g>(graph: &'g Graph, live: &BTreeSet<NodeId>, id: NodeId) -> Option<(NodeId, &'g str)> {
+    live.iter().find_map(|&reader| {
+        let (port, _) = graph.nodes[reader].inputs.iter().find(|(_, link)| link.node == id)?;
+        Some((reader, port.as_str()))
+    })
 }

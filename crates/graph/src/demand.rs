@@ -81,35 +81,38 @@ pub fn demand(
     limits: &Limits,
 ) -> Result<Graph, Findings> {
     let mut findings = Findings::new();
+    let mut made = Made::default();
     // Outputs wanted of a node decide its entry points, so readers are linked before writers.
-    let mut done: Vec<NodeId> = Vec::new();
-    while let Some(id) = next_open(&graph, &done) {
-        done.push(id);
+    let mut is_done: Vec<bool> = vec![false; graph.nodes.len()];
+    while let Some(id) = next_open(&graph, &is_done) {
+        is_done[id] = true;
         let Some(kind) = graph.nodes[id].kind().cloned() else { continue };
         let Some(spec) = kind.program(&NodeContext::new(&graph, id, limits)) else {
             let used = |_: &str| true;
-            call_for(&mut graph, id, registry, used, &mut findings);
+            call_for(&mut graph, id, registry, &mut made, used, &mut findings);
+            is_done.resize(graph.nodes.len(), false);
             continue;
         };
         let Some(program) = findings.take_all(program(&graph.nodes[id], spec, shaders)) else { continue };
         graph.nodes[id].program = Some(program.clone());
         let specs = graph.nodes[id].specs();
         graph.nodes[id].fill_params(&specs);
-        call_for(&mut graph, id, registry, |name| program.uses(name), &mut findings);
+        call_for(&mut graph, id, registry, &mut made, |name| program.uses(name), &mut findings);
+        is_done.resize(graph.nodes.len(), false);
     }
     findings.into_result(graph)
 }
 
 /// A node that is not done and whose readers all are; any one where a cycle leaves no such node.
-fn next_open(graph: &Graph, done: &[NodeId]) -> Option<NodeId> {
-    let open = || (0..graph.nodes.len()).filter(|id| !done.contains(id));
-    open()
-        .find(|id| {
-            open().filter(|reader| reader != id).all(|reader| {
-                graph.nodes[reader].inputs.values().all(|link| link.node != *id)
-            })
-        })
-        .or_else(|| open().next())
+fn next_open(graph: &Graph, is_done: &[bool]) -> Option<NodeId> {
+    let mut is_read = vec![false; graph.nodes.len()];
+    for (reader, node) in graph.nodes.iter().enumerate().filter(|(reader, _)| !is_done[*reader]) {
+        for link in node.inputs.values().filter(|link| link.node != reader) {
+            is_read[link.node] = true;
+        }
+    }
+    let mut open = (0..graph.nodes.len()).filter(|id| !is_done[*id]);
+    open.clone().find(|id| !is_read[*id]).or_else(|| open.next())
 }
 
 fn program(node: &Node, spec: ProgramSpec, shaders: &ShaderLibrary) -> Result<Program, Findings> {
@@ -160,6 +163,7 @@ fn call_for(
     graph: &mut Graph,
     id: NodeId,
     registry: &Registry,
+    made: &mut Made,
     used: impl Fn(&str) -> bool,
     findings: &mut Findings,
 ) {
@@ -171,7 +175,7 @@ fn call_for(
                 if !used(port.name) {
                     graph.nodes[id].inputs.remove(port.name);
                 } else if !graph.nodes[id].inputs.contains_key(port.name) {
-                    match fulfil(graph, id, port.name, demand, registry) {
+                    match fulfil(graph, id, port.name, demand, registry, made) {
                         Ok(link) => {
                             graph.nodes[id].inputs.insert(port.name.to_owned(), link);
                         }
@@ -203,6 +207,7 @@ fn fulfil(
     port: &str,
     demand: Demand,
     registry: &Registry,
+    made: &mut Made,
 ) -> Result<Link, Finding> {
     let by = &graph.nodes[id];
     let place = graph.nodes[id].place(graph);
@@ -262,27 +267,32 @@ fn fulfil(
     node.fill_params(&kind.params());
     let output = node.output_types().first().map(|(name, _)| (*name).to_owned()).unwrap_or_default();
     let link = |node| Link { node, port: output.clone(), place: None };
-    let same = |other: &Node| {
-        other.kind_name() == node.kind_name()
-            && matches!(other.origin, Origin::Demanded { .. })
-            && writers(other) == writers(&node)
-            && other.params == node.params
-            && choices(other) == choices(&node)
-    };
-    if let Some(existing) = graph.nodes.iter().position(same) {
-        return Ok(link(existing));
+    // What a node was called for with, not what it has become: its own shader adds inputs and parameters.
+    let key = key(&node);
+    if let Some(existing) = made.get(&key) {
+        return Ok(link(*existing));
+    }
+    if made.len() >= MAX_DEMANDED {
+        return Err(at(Finding::error("too-large", format!("shaders call for more than {MAX_DEMANDED} nodes"))
+            .help(format!("does kind `{}` call for itself with ever new inputs?", demand.kind))));
     }
     node.name = unique_name(graph, &format!("{}.{}", by.name, demand.kind));
     graph.nodes.push(node);
+    made.insert(key, graph.nodes.len() - 1);
     Ok(link(graph.nodes.len() - 1))
 }
 
-fn writers(node: &Node) -> Vec<(&str, NodeId, &str)> {
-    node.inputs.iter().map(|(port, link)| (port.as_str(), link.node, link.port.as_str())).collect()
-}
+/// Most nodes that shaders may call for.
+const MAX_DEMANDED: usize = 1024;
 
-fn choices(node: &Node) -> Vec<(&str, &str)> {
-    node.slots.iter().map(|(slot, choice)| (slot.as_str(), choice.choice.as_str())).collect()
+/// The nodes that were called for, by what they were called for with.
+type Made = BTreeMap<String, NodeId>;
+
+fn key(node: &Node) -> String {
+    let inputs: Vec<_> = node.inputs.iter().map(|(port, link)| (port, link.node, &link.port)).collect();
+    let given: BTreeMap<_, _> = node.given.iter().map(|(name, given)| (name, &given.value)).collect();
+    let slots: Vec<_> = node.slots.iter().map(|(slot, choice)| (slot, &choice.choice)).collect();
+    format!("{:?}", (node.kind_name(), inputs, given, slots))
 }
 
 fn unique_name(graph: &Graph, wanted: &str) -> String {

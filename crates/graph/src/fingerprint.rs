@@ -59,12 +59,14 @@ pub fn fingerprints(graph: &Graph, order: &[NodeId], resources: &Resources, view
                     for entry in &program.spec.entries {
                         part(entry.as_bytes());
                     }
-                    if program.uses("lens") || kind.passes_follow_camera() {
-                        part(format!("{:?}", view.lens()).as_bytes());
-                    }
-                    if program.uses("camera") || kind.passes_follow_camera() {
-                        part(format!("{:?}", view.camera).as_bytes());
-                    }
+                }
+                // A node without a shader may follow the camera as well.
+                let reads = |uniform: &str| node.program.as_ref().is_some_and(|program| program.uses(uniform));
+                if reads("lens") || kind.passes_follow_camera() {
+                    part(format!("{:?}", view.lens()).as_bytes());
+                }
+                if reads("camera") || kind.passes_follow_camera() {
+                    part(format!("{:?}", view.camera).as_bytes());
                 }
                 for (port, link) in &node.inputs {
                     part(port.as_bytes());

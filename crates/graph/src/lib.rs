@@ -39,7 +39,7 @@ pub use kind::{
     Demand, InputPort, NodeContext, NodeKind, OutputPort, PortType, ProgramSpec, Progress, Requirement, SlotSpec, Source,
     SourceKind, Uniform,
 };
-pub use pass::{Load, Mesh, Pass, Target, UploadBytes};
+pub use pass::{Mesh, Pass, UploadBytes};
 pub use plan::{Allocation, Limits, Plan, PlanRequest, PlannedNode, PlannedResource};
 pub use registry::Registry;
 pub use resource::{Extent, ResourceDesc, ResourceKind, Size};

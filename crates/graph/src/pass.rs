@@ -25,7 +25,8 @@ pub enum Pass {
         /// Values of `override` constants.
         constants: Vec<(String, f64)>,
     },
-    /// Draws triangles.
+    /// Draws triangles. The fragment shader writes storage textures: a GL driver may refuse to draw into f32
+    /// textures that it stores to without trouble.
     Draw {
         /// Vertex entry point.
         vertex: &'static str,
@@ -33,60 +34,21 @@ pub enum Pass {
         fragment: &'static str,
         /// What is drawn.
         mesh: Mesh,
-        /// The output ports drawn into, in the order of `@location`.
-        targets: Vec<Target>,
         /// Values of `override` constants.
         constants: Vec<(String, f64)>,
     },
-    /// Copies a whole texture from an input port to an output port of equal description.
-    Copy {
-        /// Input port.
-        from: &'static str,
-        /// Output port.
-        to: &'static str,
-    },
-    /// Fills the texture at an output port with one value.
-    Clear {
-        /// Output port.
-        port: &'static str,
-        /// Red, green, blue, alpha.
-        value: [f64; 4],
-    },
 }
 
-/// What a draw pass draws.
+/// The triangles at an input port: positions, three f32 in world space each, three to a triangle, wound
+/// anticlockwise as seen from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mesh {
-    /// One triangle that covers the picture; the vertex shader makes it from the vertex index.
-    FullScreen,
-    /// The buffer at an input port: positions, three f32 in world space each, three to a triangle, wound
-    /// anticlockwise as seen from outside.
-    Input {
-        /// Input port.
-        port: &'static str,
-        /// Number of vertices.
-        vertices: u32,
-        /// Only the faces turned away are drawn, so that a camera inside still sees the box.
-        back_faces_only: bool,
-    },
-}
-
-/// One colour target of a draw pass.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Target {
-    /// Output port.
+pub struct Mesh {
+    /// Input port.
     pub port: &'static str,
-    /// What it holds before.
-    pub load: Load,
-}
-
-/// What a target holds before a pass draws.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Load {
-    /// One value everywhere.
-    Clear([f64; 4]),
-    /// What it held.
-    Keep,
+    /// Number of vertices.
+    pub vertices: u32,
+    /// Only the faces turned away are drawn, so that a camera inside still sees the box.
+    pub back_faces_only: bool,
 }
 
 type MakeBytes = dyn Fn() -> Result<Vec<u8>, Finding> + Send + Sync;

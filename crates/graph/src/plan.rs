@@ -44,6 +44,8 @@ pub struct Limits {
     pub float32_filterable: bool,
     /// Whether `r16unorm` textures can be made and sampled.
     pub norm16: bool,
+    /// Whether compute shaders can write 3D textures. wgpu 30 binds only the first slice of one on GL.
+    pub storage_3d: bool,
 }
 
 impl Default for Limits {
@@ -58,6 +60,7 @@ impl Default for Limits {
             max_workgroups: 65535,
             float32_filterable: false,
             norm16: false,
+            storage_3d: true,
         }
     }
 }
@@ -187,7 +190,7 @@ impl Plan {
         let resources = size(&graph, &order, request.size, request.limits)?;
         let following_camera = following_camera(&graph, &order);
         let (allocation_of, allocations) = lifetime(&graph, &order, &resources, &following_camera);
-        Ok(Self {
+        let plan = Self {
             graph,
             order,
             resources,
@@ -198,7 +201,23 @@ impl Plan {
             size: request.size,
             camera: request.desc.camera.clone().unwrap_or_default(),
             limits: *request.limits,
-        })
+        };
+        plan.check_uniforms()?;
+        Ok(plan)
+    }
+
+    /// Fills every used uniform once, so that a member that nobody fills is found now and not in a frame.
+    fn check_uniforms(&self) -> Result<(), Findings> {
+        let view = self.view();
+        let mut findings = Findings::new();
+        for &id in &self.order {
+            for binding in self.graph.nodes[id].program.iter().flat_map(|program| program.used()) {
+                if matches!(binding.kind, BindingKind::Uniform(_)) {
+                    findings.take(self.uniform_bytes(id, binding, &view, None));
+                }
+            }
+        }
+        findings.into_result(())
     }
 
     /// The corners of all sources' boxes, in world space.

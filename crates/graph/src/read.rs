@@ -14,17 +14,29 @@ use volgraph_shader::ParamValue;
 use crate::camera::{CameraDesc, Pose, Projection};
 use crate::desc::{EdgeDesc, GraphDesc, NodeDesc, ParamDesc, SourceDesc};
 
+/// Longest text that is read; a graph of a thousand nodes is shorter.
+const MAX_TEXT_BYTES: usize = 256 << 10;
+
+/// Most nodes, and most sources.
+const MAX_ENTRIES: usize = 1024;
+
 /// Reads a graph file's text. `file` is its name for findings.
 ///
 /// # Errors
-/// All findings, each with its place.
+/// All findings, each with its place; `too-large` for a text over 256 KiB, or more than 1024 nodes or sources.
 pub fn graph(file: &Path, text: &str) -> Result<GraphDesc, Findings> {
+    if text.len() > MAX_TEXT_BYTES {
+        return Err(Finding::error("too-large", "a graph of more than 256 KiB is refused")
+            .at(Place::whole_file(file))
+            .help("split it, or check that this is a graph file")
+            .into());
+    }
     let document = Document::parse(file, text)?;
     let mut findings = Findings::new();
     let mut desc = GraphDesc::default();
     let mut fields = Fields::new(document.fields()?);
     if let Some(sources) = fields.take("sources") {
-        for entry in findings.take_all(sources.entries()).unwrap_or_default() {
+        for entry in named(&sources, "sources", &mut findings) {
             if let Some(source) = findings.take_all(source(&entry)) {
                 desc.sources.insert(entry.name, source);
             }
@@ -34,7 +46,7 @@ pub fn graph(file: &Path, text: &str) -> Result<GraphDesc, Findings> {
         desc.camera = findings.take_all(camera(&value));
     }
     if let Some(nodes) = fields.take("nodes") {
-        for entry in findings.take_all(nodes.entries()).unwrap_or_default() {
+        for entry in named(&nodes, "nodes", &mut findings) {
             if let Some(first) = desc.sources.get(&entry.name) {
                 findings.push(
                     Finding::error("duplicate", format!("`{}` is a source and a node", entry.name))
@@ -158,6 +170,28 @@ fn projection(fields: &mut Fields<'_>, findings: &mut Findings) -> Projection {
 
 fn positive(value: &Value<'_>, number: f64, what: &str) -> Result<f64, Finding> {
     if number > 0.0 { Ok(number) } else { Err(value.error("camera", format!("{what} of {number} is not above 0"))) }
+}
+
+/// The entries of `sources` or `nodes`, their number and names checked.
+fn named<'s>(value: &Value<'s>, what: &str, findings: &mut Findings) -> Vec<Entry<'s>> {
+    let entries = findings.take_all(value.entries()).unwrap_or_default();
+    if entries.len() > MAX_ENTRIES {
+        let message = format!("a graph of more than {MAX_ENTRIES} {what} is refused");
+        findings.push(Finding::error("too-large", message).at(Place { length: 1, ..value.place() }));
+        return Vec::new();
+    }
+    for entry in &entries {
+        // A dot separates a node from its port, in edges and on the command line.
+        if entry.name.is_empty() || entry.name.contains(|c: char| c == '.' || c == '=' || c.is_control()) {
+            let message = format!("`{}` cannot be a name", entry.name.escape_debug());
+            findings.push(
+                Finding::error("bad-name", message)
+                    .at(entry.name_place.clone())
+                    .help("a name is not empty and has no `.`, no `=` and no line breaks"),
+            );
+        }
+    }
+    entries
 }
 
 fn source(entry: &Entry<'_>) -> Result<SourceDesc, Findings> {

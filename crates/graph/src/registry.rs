@@ -3,7 +3,13 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::{NodeKind, SourceKind};
+use indexmap::IndexMap;
+use volgraph_report::Place;
+
+use crate::graph::{Graph, Node, NodeBody, Origin};
+use crate::kind::{NodeContext, ProgramSpec};
+use crate::resolve::default_slots;
+use crate::{Limits, NodeKind, SourceKind};
 
 /// All kinds by name. A program adds its own beside volgraph's.
 #[derive(Clone, Default)]
@@ -53,11 +59,34 @@ impl Registry {
         self.sources.values()
     }
 
-    /// The default choice of every slot of every kind, for checking shader files alone.
+    /// The program of a kind's node that nothing is connected to, all parameters at their defaults.
+    #[must_use]
+    pub fn default_program(&self, kind: &str) -> Option<ProgramSpec> {
+        let kind = self.node(kind)?;
+        let mut node = Node {
+            name: kind.name().to_owned(),
+            body: NodeBody::Kind(Arc::clone(kind)),
+            inputs: BTreeMap::new(),
+            given: IndexMap::new(),
+            params: BTreeMap::new(),
+            slots: default_slots(kind.as_ref()),
+            origin: Origin::File(Place::whole_file("")),
+            program: None,
+        };
+        node.fill_params(&kind.params());
+        let graph = Graph { nodes: vec![node], outputs: IndexMap::new() };
+        kind.program(&NodeContext::new(&graph, 0, &Limits::default()))
+    }
+
+    /// The default choice of every slot of every kind, those included that the kinds choose themselves: for
+    /// checking shader files alone.
     #[must_use]
     pub fn default_slots(&self) -> BTreeMap<String, String> {
-        self.nodes()
-            .flat_map(|kind| kind.slots().iter().map(|slot| (slot.name.to_owned(), slot.default.to_owned())))
-            .collect()
+        let mut slots = BTreeMap::new();
+        for kind in self.nodes() {
+            slots.extend(kind.slots().iter().map(|slot| (slot.name.to_owned(), slot.default.to_owned())));
+            slots.extend(self.default_program(kind.name()).map(|program| program.fixed_slots).unwrap_or_default());
+        }
+        slots
     }
 }

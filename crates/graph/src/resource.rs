@@ -61,8 +61,9 @@ impl ResourceKind {
     pub fn bytes(&self) -> u64 {
         match self {
             Self::Texture { extent, format, .. } => {
-                let texels: u64 = extent.iter().map(|&n| u64::from(n)).product();
-                texels * u64::from(format.block_copy_size(None).unwrap_or(4))
+                // Saturating: three axes of 32 bits each pass 64 bits.
+                let texels = extent.iter().fold(1_u64, |product, &n| product.saturating_mul(n.into()));
+                texels.saturating_mul(format.block_copy_size(None).unwrap_or(4).into())
             }
             Self::Buffer { bytes } => *bytes,
         }

@@ -112,5 +112,5 @@ fn within_limits(resource: &ResourceKind, port: &str, node: &NodeContext<'_>) ->
 /// Pixels or voxels in an extent.
 #[must_use]
 pub fn texel_count(extent: Extent) -> u64 {
-    extent.iter().map(|&n| u64::from(n)).product()
+    extent.iter().fold(1, |product, &n| product.saturating_mul(n.into()))
 }

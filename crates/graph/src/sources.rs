@@ -67,6 +67,14 @@ pub fn load_one(
         }
     }
     let params = findings.into_result(params)?;
-    kind.load(&params, base, progress)
-        .map_err(|findings| findings.into_iter().map(|finding| finding.or_at(|| desc.place.clone())).collect())
+    kind.load(&params, base, progress).map_err(|findings| findings.into_iter().map(|f| placed(f, desc)).collect())
+}
+
+/// A finding without a place stands where the graph names the source; one in another file tells who asked for that.
+fn placed(finding: Finding, desc: &SourceDesc) -> Finding {
+    match &finding.place {
+        None => finding.at(desc.place.clone()),
+        Some(place) if place.file != desc.place.file => finding.related(desc.place.clone(), "for this source"),
+        Some(_) => finding,
+    }
 }

@@ -1,8 +1,8 @@
 //! `background`: a pattern over the whole picture.
 
 use volgraph_graph::{
-    Demand, InputPort, Load, Mesh, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec, Requirement,
-    ResourceDesc, Size, Target,
+    Demand, InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec, Requirement, ResourceDesc,
+    Size,
 };
 use volgraph_report::Finding;
 use volgraph_shader::ParamSpec;
@@ -64,7 +64,7 @@ impl NodeKind for Background {
         Some(ProgramSpec {
             root: "node/background.wgsl",
             fixed_slots: [("pattern".to_owned(), node.text("pattern").to_owned())].into(),
-            entries: vec!["background_vertex", "background_fragment"],
+            entries: vec!["background_compute"],
         })
     }
 
@@ -76,12 +76,11 @@ impl NodeKind for Background {
         })
     }
 
-    fn record(&self, _node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
-        Ok(vec![Pass::Draw {
-            vertex: "background_vertex",
-            fragment: "background_fragment",
-            mesh: Mesh::FullScreen,
-            targets: vec![Target { port: "color", load: Load::Clear([0.0; 4]) }],
+    fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
+        let [width, height] = node.view().map_or([0; 2], |view| view.size);
+        Ok(vec![Pass::Compute {
+            entry: "background_compute",
+            workgroups: [width.div_ceil(8), height.div_ceil(8), 1],
             constants: Vec::new(),
         }])
     }

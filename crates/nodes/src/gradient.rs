@@ -1,4 +1,9 @@
 //! `gradient`: a volume of gradients, made once and looked up by lit techniques.
+//!
+//! A compute shader makes it. Where the device cannot write 3D textures, the processor does the same work; that
+//! twin knows volgraph's own methods and storages alone.
+
+mod on_cpu;
 
 use naga::StorageFormat;
 use volgraph_graph::{
@@ -75,8 +80,8 @@ impl NodeKind for Gradient {
         &["volume"]
     }
 
-    fn program(&self, _node: &NodeContext<'_>) -> Option<ProgramSpec> {
-        Some(ProgramSpec {
+    fn program(&self, node: &NodeContext<'_>) -> Option<ProgramSpec> {
+        node.limits().storage_3d.then(|| ProgramSpec {
             root: "node/gradient.wgsl",
             fixed_slots: Default::default(),
             entries: vec!["gradient_compute"],
@@ -85,6 +90,7 @@ impl NodeKind for Gradient {
 
     fn output(&self, _port: &str, node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
         let format = match node.binding("gradient_out").map(|binding| &binding.kind) {
+            None if !node.limits().storage_3d => on_cpu::Storage::named(node)?.format(),
             Some(BindingKind::StorageTexture { format: StorageFormat::Rgba8Snorm, .. }) => TextureFormat::Rgba8Snorm,
             Some(BindingKind::StorageTexture { format: StorageFormat::Rgba16Float, .. }) => {
                 TextureFormat::Rgba16Float
@@ -104,6 +110,9 @@ impl NodeKind for Gradient {
     }
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
+        if !node.limits().storage_3d {
+            return on_cpu::record(node);
+        }
         let [x, y, z] = placement::volume(node, "volume")?.grid().dims;
         Ok(vec![Pass::Compute {
             entry: "gradient_compute",

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use volgraph_graph::{
-    Demand, InputPort, Load, Mesh, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec, Requirement,
-    ResourceDesc, Size, SlotSpec, Target, Uniform,
+    Demand, InputPort, Mesh, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec, Requirement,
+    ResourceDesc, Size, SlotSpec, Uniform,
 };
 use volgraph_optics::Domain;
 use volgraph_report::Finding;
@@ -149,12 +149,12 @@ impl NodeKind for Raycast {
 
     fn program(&self, node: &NodeContext<'_>) -> Option<ProgramSpec> {
         let has_layers = node.is_wanted("depth") || node.is_wanted("opacity");
-        let mut entries = Vec::new();
+        let mut entries = vec![entry("raycast_begin", has_layers)];
         if node.text("stage") != "compute" {
-            entries.extend(["raycast_vertex", fragment_entry(has_layers)]);
+            entries.extend(["raycast_vertex", entry("raycast_fragment", has_layers)]);
         }
         if node.text("stage") != "fragment" {
-            entries.push(compute_entry(has_layers));
+            entries.push(entry("raycast_compute", has_layers));
         }
         let behind = if node.is_connected("behind") { "texture" } else { "none" };
         Some(ProgramSpec {
@@ -202,44 +202,27 @@ impl NodeKind for Raycast {
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         let has_layers = node.output_resource("depth").is_some();
-        let mut passes = Vec::new();
-        let color_load = if node.is_connected("behind") {
-            passes.push(Pass::Copy { from: "behind", to: "color" });
-            if node.input_resource("behind") != node.output_resource("color") {
-                return Err(node
-                    .error("size-mismatch", "its input `behind` has another size or format than its output")
-                    .help("make it as large as the picture, in rgba32float"));
-            }
-            Load::Keep
-        } else {
-            Load::Clear([0.0; 4])
-        };
-        let mut targets = vec![Target { port: "color", load: color_load }];
-        if has_layers {
-            targets.push(Target { port: "depth", load: Load::Clear([f64::from(NO_DEPTH), 0.0, 0.0, 0.0]) });
-            targets.push(Target { port: "opacity", load: Load::Clear([0.0; 4]) });
+        if node.is_connected("behind") && node.input_resource("behind") != node.output_resource("color") {
+            return Err(node
+                .error("size-mismatch", "its input `behind` has another size or format than its output")
+                .help("make it as large as the picture, in rgba32float"));
         }
-        let tile = tile(node)?;
-        match (node.variant(), tile) {
-            (Some("compute"), _) | (_, None) => {
-                for target in &targets {
-                    if let Load::Clear(value) = target.load {
-                        passes.push(Pass::Clear { port: target.port, value });
-                    }
-                }
-                if let Some([_, _, width, height]) = tile {
-                    passes.push(Pass::Compute {
-                        entry: compute_entry(has_layers),
-                        workgroups: [width.div_ceil(8), height.div_ceil(8), 1],
-                        constants: Vec::new(),
-                    });
-                }
+        let compute = |entry, [width, height]: [u32; 2]| Pass::Compute {
+            entry,
+            workgroups: [width.div_ceil(8), height.div_ceil(8), 1],
+            constants: Vec::new(),
+        };
+        let view = node.view().map_or([0; 2], |view| view.size);
+        let mut passes = vec![compute(entry("raycast_begin", has_layers), view)];
+        match (node.variant(), tile(node)?) {
+            (_, None) => {}
+            (Some("compute"), Some([_, _, width, height])) => {
+                passes.push(compute(entry("raycast_compute", has_layers), [width, height]));
             }
             _ => passes.push(Pass::Draw {
                 vertex: "raycast_vertex",
-                fragment: fragment_entry(has_layers),
-                mesh: Mesh::Input { port: "rays", vertices: proxy_box::VERTICES, back_faces_only: true },
-                targets,
+                fragment: entry("raycast_fragment", has_layers),
+                mesh: Mesh { port: "rays", vertices: proxy_box::VERTICES, back_faces_only: true },
                 constants: Vec::new(),
             }),
         }
@@ -247,12 +230,14 @@ impl NodeKind for Raycast {
     }
 }
 
-fn fragment_entry(has_layers: bool) -> &'static str {
-    if has_layers { "raycast_fragment_layers" } else { "raycast_fragment" }
-}
-
-fn compute_entry(has_layers: bool) -> &'static str {
-    if has_layers { "raycast_compute_layers" } else { "raycast_compute" }
+/// The entry point, or its twin that writes depth and opacity as well.
+fn entry(name: &'static str, has_layers: bool) -> &'static str {
+    match (name, has_layers) {
+        ("raycast_begin", true) => "raycast_begin_layers",
+        ("raycast_compute", true) => "raycast_compute_layers",
+        ("raycast_fragment", true) => "raycast_fragment_layers",
+        _ => name,
+    }
 }
 
 /// The pixels that the volume's box may cover: `[x, y, width, height]`; `None` where it is out of view.

@@ -2,7 +2,7 @@
 //! Source: <https://itk.org/Wiki/MetaIO/Documentation>; where that is silent, what SimpleITK 2.5 does.
 //!
 //! [`parse_header`] turns `Key = Value` lines up to `ElementDataFile` into a [`Header`] of plain values;
-//! [`load`] checks them and reads the data. The world is LPS already. `TransformMatrix` lists the direction of
+//! `load` checks them and reads the data. The world is LPS already. `TransformMatrix` lists the direction of
 //! the first axis, then of the second, then of the third: its rows are the columns of the direction matrix. A
 //! negative spacing turns its axis round. Channels and axes past the third are components.
 
@@ -109,7 +109,12 @@ pub fn parse_header(bytes: &[u8]) -> Result<Header, VolumeError> {
         }
         let field = parse_line(line, number)?;
         let last = field.key == "ElementDataFile";
-        let list = last && field.value.split_whitespace().next() == Some("LIST");
+        let list = last
+            && field
+                .value
+                .split_whitespace()
+                .next()
+                .is_some_and(|word| word.eq_ignore_ascii_case("list"));
         if KEYS.contains(&field.key.as_str()) {
             fields.push(field)?;
         } else if !FOREIGN.contains(&field.key.as_str()) {

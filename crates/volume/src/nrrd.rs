@@ -2,7 +2,7 @@
 //! Source: <https://teem.sourceforge.net/nrrd/format.html>.
 //!
 //! [`parse_header`] turns the lines into fields, each once, and the fields into a [`Header`] of plain values;
-//! `placement` makes the grid in LPS of them; [`load`] then reads the data. Axes that are not spatial (by
+//! `placement` makes the grid in LPS of them; `load` then reads the data. Axes that are not spatial (by
 //! `kinds`, or `none` in `space directions`) hold components, of which the options name one. `key:=value` pairs
 //! and comments mean nothing here. What the format leaves open, a warning tells.
 

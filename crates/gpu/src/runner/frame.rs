@@ -4,19 +4,20 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use volgraph_graph::check::{BindingSource, SamplerKind, binding_source};
-use volgraph_graph::{Load, Mesh, NodeId, Pass, Plan, ResourceKind, Target, View};
+use volgraph_graph::{NodeId, Pass, Plan, ResourceKind, View};
 use volgraph_report::Finding;
 use volgraph_shader::Binding;
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferDescriptor, BufferUsages, Color,
     CommandEncoder, CommandEncoderDescriptor, Extent3d, LoadOp, Operations, Origin3d, RenderPassColorAttachment,
-    RenderPassDescriptor, StoreOp, TexelCopyBufferLayout, TexelCopyTextureInfo, TextureAspect,
+    RenderPassDescriptor, StoreOp, TexelCopyBufferLayout, TexelCopyTextureInfo, TextureAspect, TextureDescriptor,
+    TextureDimension, TextureUsages, TextureView,
 };
 
 use super::schedule::must_run;
-use super::{FrameReport, NodeReport, Runner, target_formats};
+use super::{FrameReport, NodeReport, Runner};
 use crate::error::GpuError;
-use crate::pipelines::{Pipeline, PipelineKind};
+use crate::pipelines::{Pipeline, PipelineKind, SCRATCH_FORMAT};
 use crate::pool::Held;
 use crate::timing::Timer;
 
@@ -162,22 +163,6 @@ impl Runner {
                     self.flush(recording);
                     self.upload(self.output(plan, id, port)?, &bytes.make()?, name)?;
                 }
-                Pass::Copy { from, to } => {
-                    let from = self.input(plan, id, from)?;
-                    let to = self.output(plan, id, to)?;
-                    if let (Some(from), Some(to)) = (from.texture(), to.texture()) {
-                        recording.encoder.copy_texture_to_texture(whole(from), whole(to), from.size());
-                    }
-                }
-                Pass::Clear { port, value } => {
-                    let target = [Target { port, load: Load::Clear(*value) }];
-                    let attachments = self.attachments(plan, id, &target)?;
-                    recording.encoder.begin_render_pass(&RenderPassDescriptor {
-                        label: Some(name),
-                        color_attachments: &attachments,
-                        ..Default::default()
-                    });
-                }
                 Pass::Compute { workgroups, .. } => {
                     let (pipeline, groups) = self.bound(plan, id, view, variant, &pass)?;
                     if let PipelineKind::Compute(compute) = &pipeline.kind {
@@ -189,40 +174,56 @@ impl Runner {
                         encoder.dispatch_workgroups(workgroups[0], workgroups[1], workgroups[2]);
                     }
                 }
-                Pass::Draw { mesh, targets, .. } => {
+                Pass::Draw { mesh, .. } => {
                     let (pipeline, groups) = self.bound(plan, id, view, variant, &pass)?;
-                    let vertices = match mesh {
-                        Mesh::FullScreen => None,
-                        Mesh::Input { port, .. } => self.input(plan, id, port)?.buffer(),
+                    let scratch = self.scratch(view.size)?;
+                    let vertices = self.input(plan, id, mesh.port)?.buffer();
+                    let attachment = RenderPassColorAttachment {
+                        view: &scratch,
+                        depth_slice: None,
+                        resolve_target: None,
+                        ops: Operations { load: LoadOp::Clear(Color::BLACK), store: StoreOp::Discard },
                     };
-                    let attachments = self.attachments(plan, id, targets)?;
                     let mut encoder = recording.encoder.begin_render_pass(&RenderPassDescriptor {
                         label: Some(name),
-                        color_attachments: &attachments,
+                        color_attachments: &[Some(attachment)],
                         ..Default::default()
                     });
-                    if let PipelineKind::Render(render) = &pipeline.kind {
-                        // A measured view is smaller than its targets.
-                        #[expect(clippy::cast_precision_loss, reason = "pictures are smaller than 2^24 pixels wide")]
-                        let [width, height] = view.size.map(|n| n as f32);
-                        encoder.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
+                    if let (PipelineKind::Render(render), Some(buffer)) = (&pipeline.kind, vertices) {
                         encoder.set_pipeline(render);
                         for (group, bind_group) in &groups {
                             encoder.set_bind_group(*group, bind_group, &[]);
                         }
-                        if let Some(buffer) = vertices {
-                            encoder.set_vertex_buffer(0, buffer.slice(..));
-                        }
-                        let count = match mesh {
-                            Mesh::FullScreen => 3,
-                            Mesh::Input { vertices, .. } => *vertices,
-                        };
-                        encoder.draw(0..count, 0..1);
+                        encoder.set_vertex_buffer(0, buffer.slice(..));
+                        encoder.draw(0..mesh.vertices, 0..1);
                     }
                 }
             }
         }
         Ok(())
+    }
+
+    /// The target of draw passes, made anew when the view has another size.
+    fn scratch(&mut self, [width, height]: [u32; 2]) -> Result<TextureView, GpuError> {
+        let size = Extent3d { width, height, depth_or_array_layers: 1 };
+        let texture = match self.scratch.take().filter(|texture| texture.size() == size) {
+            Some(texture) => texture,
+            None => self.gpu.scoped("making the target of draw passes", self.memory().bytes, || {
+                self.gpu.device.create_texture(&TextureDescriptor {
+                    label: Some("scratch"),
+                    size,
+                    mip_level_count: 1,
+                    sample_count: 1,
+                    dimension: TextureDimension::D2,
+                    format: SCRATCH_FORMAT,
+                    usage: TextureUsages::RENDER_ATTACHMENT,
+                    view_formats: &[],
+                })
+            })?,
+        };
+        let view = texture.create_view(&Default::default());
+        self.scratch = Some(texture);
+        Ok(view)
     }
 
     fn output(&self, plan: &Plan, id: NodeId, port: &str) -> Result<&Held, GpuError> {
@@ -235,31 +236,6 @@ impl Runner {
         self.output(plan, link.node, &link.port)
     }
 
-    fn attachments(
-        &self,
-        plan: &Plan,
-        id: NodeId,
-        targets: &[Target],
-    ) -> Result<Vec<Option<RenderPassColorAttachment<'_>>>, GpuError> {
-        targets
-            .iter()
-            .map(|target| {
-                let held = self.output(plan, id, target.port)?;
-                let view = held.view().ok_or_else(|| internal(plan, id, target.port))?;
-                let load = match target.load {
-                    Load::Clear([r, g, b, a]) => LoadOp::Clear(Color { r, g, b, a }),
-                    Load::Keep => LoadOp::Load,
-                };
-                Ok(Some(RenderPassColorAttachment {
-                    view,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: Operations { load, store: StoreOp::Store },
-                }))
-            })
-            .collect()
-    }
-
     /// The pipeline of a pass and its bind groups.
     fn bound(
         &mut self,
@@ -270,11 +246,10 @@ impl Runner {
         pass: &Pass,
     ) -> Result<(std::sync::Arc<Pipeline>, Vec<(u32, BindGroup)>), GpuError> {
         let node = &plan.graph.nodes[id];
-        let formats = target_formats(plan, id, pass)?;
         let program = node.program.as_ref().ok_or_else(|| internal(plan, id, "program"))?;
         let pipeline = self
             .pipelines
-            .get(&self.gpu, program, pass, &formats)?
+            .get(&self.gpu, program, pass)?
             .ok_or_else(|| internal(plan, id, "pipeline"))?;
         let mut groups = Vec::new();
         for (group, (layout, bindings)) in &pipeline.groups {
@@ -390,10 +365,6 @@ impl Runner {
         }
         Ok(())
     }
-}
-
-fn whole(texture: &wgpu::Texture) -> TexelCopyTextureInfo<'_> {
-    TexelCopyTextureInfo { texture, mip_level: 0, origin: Origin3d::ZERO, aspect: TextureAspect::All }
 }
 
 fn internal(plan: &Plan, id: NodeId, what: &str) -> GpuError {

@@ -1,0 +1,161 @@
+//! The twin of `node/gradient.wgsl` for devices that cannot write 3D textures.
+
+use std::sync::Arc;
+
+use glam::{DVec3, IVec3};
+use half::f16;
+use rayon::prelude::*;
+use volgraph_graph::{NodeContext, Pass, UploadBytes};
+use volgraph_report::Finding;
+use volgraph_volume::Volume;
+use wgpu_types::TextureFormat;
+
+use crate::placement;
+use crate::source::volume::VolumeSource;
+
+/// The slot `gradient_method`.
+#[derive(Clone, Copy)]
+enum Method {
+    Central,
+    Sobel,
+}
+
+/// The slot `gradient_storage`.
+#[derive(Clone, Copy)]
+pub(super) enum Storage {
+    Rgba8,
+    Rgba16f,
+}
+
+impl Storage {
+    /// The choice of the slot.
+    pub(super) fn named(node: &NodeContext<'_>) -> Result<Self, Finding> {
+        match node.slot("gradient_storage") {
+            "rgba8" => Ok(Self::Rgba8),
+            "rgba16f" => Ok(Self::Rgba16f),
+            other => Err(own_shader(node, "gradient_storage", other)),
+        }
+    }
+
+    pub(super) fn format(self) -> TextureFormat {
+        match self {
+            Self::Rgba8 => TextureFormat::Rgba8Snorm,
+            Self::Rgba16f => TextureFormat::Rgba16Float,
+        }
+    }
+
+    /// `gradient_encode` of the slot's files.
+    fn encode(self, gradient: DVec3) -> Vec<u8> {
+        match self {
+            Self::Rgba16f => {
+                [gradient.x, gradient.y, gradient.z, 0.0].iter().flat_map(|v| f16::from_f64(*v).to_le_bytes()).collect()
+            }
+            Self::Rgba8 => {
+                let magnitude = gradient.length();
+                let direction = gradient / magnitude.max(1e-12);
+                let root = (magnitude / 3.0_f64.sqrt()).sqrt();
+                [direction.x, direction.y, direction.z, root].iter().map(|v| snorm8(*v)).collect()
+            }
+        }
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "clamped to a signed byte")]
+fn snorm8(value: f64) -> u8 {
+    ((value.clamp(-1.0, 1.0) * 127.0).round() as i8).to_le_bytes()[0]
+}
+
+fn own_shader(node: &NodeContext<'_>, slot: &str, choice: &str) -> Finding {
+    node.error(
+        "unsupported-slot",
+        format!("slot `{slot}`: this device cannot write 3D textures, so `{choice}` cannot run on it"),
+    )
+    .help("use volgraph's own choice, the gradient slot's `central`, or another adapter, such as `--adapter vulkan`")
+}
+
+pub(super) fn record(node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
+    let method = match node.slot("gradient_method") {
+        "central" => Method::Central,
+        "sobel" => Method::Sobel,
+        other => return Err(own_shader(node, "gradient_method", other)),
+    };
+    let storage = Storage::named(node)?;
+    placement::volume(node, "volume")?;
+    let volume = node.source::<VolumeSource>("volume").map(|source| Arc::clone(&source.volume));
+    let bytes = UploadBytes::new(move || {
+        Ok(volume.as_ref().map(|volume| gradients(volume, method, storage)).unwrap_or_default())
+    });
+    Ok(vec![Pass::Upload { port: "gradient", bytes }])
+}
+
+/// The encoded gradients of all voxels.
+fn gradients(volume: &Volume, method: Method, storage: Storage) -> Vec<u8> {
+    let (low, high) = volume.statistics().range().unwrap_or((0.0, 0.0));
+    let span = if high > low { high - low } else { 1.0 };
+    let dims = IVec3::from_array(volume.grid().dims.map(|n| i32::try_from(n).unwrap_or(i32::MAX)));
+    let [nx, ny] = [dims.x as usize, dims.y as usize];
+    let voxels = volume.voxels();
+    let scalar = |index: IVec3| {
+        let at = index.clamp(IVec3::ZERO, dims - 1).as_usizevec3();
+        let value = voxels.get((at.z * ny + at.y) * nx + at.x);
+        if value.is_nan() { low } else { value.clamp(low, high) }
+    };
+    (0..voxels.len())
+        .into_par_iter()
+        .flat_map_iter(|at| {
+            let index = glam::USizeVec3::new(at % nx, at / nx % ny, at / (nx * ny)).as_ivec3();
+            storage.encode(estimate(method, index, &scalar) / span)
+        })
+        .collect()
+}
+
+/// `gradient_estimate` of the slot's files: data units per voxel along the index axes.
+fn estimate(method: Method, index: IVec3, scalar: &impl Fn(IVec3) -> f64) -> DVec3 {
+    match method {
+        Method::Central => {
+            let along = |axis: IVec3| 0.5 * (scalar(index + axis) - scalar(index - axis));
+            DVec3::new(along(IVec3::X), along(IVec3::Y), along(IVec3::Z))
+        }
+        Method::Sobel => {
+            let mut sum = DVec3::ZERO;
+            for (z, y, x) in (0..27).map(|i| (i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1)) {
+                let offset = IVec3::new(x, y, z);
+                let smoothing = DVec3::splat(2.0) - offset.abs().as_dvec3();
+                let across =
+                    DVec3::new(smoothing.y * smoothing.z, smoothing.x * smoothing.z, smoothing.x * smoothing.y);
+                sum += scalar(index + offset) * offset.as_dvec3() * across;
+            }
+            sum / 32.0
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use volgraph_volume::{Grid, Voxels};
+
+    use super::*;
+
+    #[test]
+    fn a_linear_field_has_its_own_gradient() {
+        let slope = DVec3::new(3.0, -2.0, 0.5);
+        let scalar = |index: IVec3| slope.dot(index.as_dvec3()) + 7.0;
+        for method in [Method::Central, Method::Sobel] {
+            let estimated = estimate(method, IVec3::new(4, 5, 6), &scalar);
+            assert!(estimated.distance(slope) < 1e-12, "{estimated}");
+        }
+    }
+
+    #[test]
+    fn every_voxel_gets_a_texel() {
+        let values: Vec<f32> = (0..24).map(|i| i as f32).collect();
+        let grid = Grid::axis_aligned([2, 3, 4], DVec3::ONE, DVec3::ZERO);
+        let volume = Volume::new("t", grid, Voxels::F32(values)).unwrap();
+        assert_eq!(gradients(&volume, Method::Central, Storage::Rgba8).len(), 24 * 4);
+        let bytes = gradients(&volume, Method::Sobel, Storage::Rgba16f);
+        assert_eq!(bytes.len(), 24 * 8);
+        // In the middle of y the values rise by 2 a row, of 23 in all.
+        let texel = &bytes[(6 + 2) * 8..];
+        assert!((f16::from_le_bytes([texel[2], texel[3]]).to_f64() - 2.0 / 23.0).abs() < 1e-3);
+    }
+}

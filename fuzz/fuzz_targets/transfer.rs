@@ -1,0 +1,5 @@
+//! See [`volgraph_fuzz::transfer`].
+
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| volgraph_fuzz::transfer(data));

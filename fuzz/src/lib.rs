@@ -1,0 +1,189 @@
+//! What each fuzz target does with its bytes; the files in `fuzz_targets` only hand them over.
+//!
+//! The way of the data: libFuzzer makes bytes from the seeds in `seeds/TARGET` and the words in
+//! `dictionaries/TARGET.dict`; a function here feeds them to one parser and, where that is content, uses what it
+//! gave in the way the rest of volgraph does. A target fails by a panic, by what the address sanitiser sees, by one
+//! input that takes seconds, or by an allocation of hundreds of MiB: inputs have some KiB, so nothing they say can be
+//! worth so much. `cargo xtask fuzz` runs all targets with those limits.
+
+use std::fmt::Debug;
+use std::path::Path;
+use std::sync::{Arc, LazyLock};
+
+use include_dir::{Dir, include_dir};
+use indexmap::IndexMap;
+use naga::valid::Capabilities;
+use volgraph_graph::demand::ShaderLibrary;
+use volgraph_graph::{GraphDesc, Limits, Plan, PlanRequest, Registry, Source, View, read, resolve, sources};
+use volgraph_optics::TransferFunction;
+use volgraph_report::{Findings, excerpt};
+use volgraph_shader::{LinkRequest, MemoryFiles, ShaderRoots, check, link};
+use volgraph_volume::{LoadOptions, Volume, metaimage as meta, nrrd as near, parse_raw_name};
+
+static SHADERS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../shaders");
+
+/// A file's name up to the first line feed, its bytes behind it: the name is parsed, and where it parses the bytes
+/// are read as its voxels. A name that parses means the same when it is written plainly.
+pub fn raw_name(data: &[u8]) {
+    let end = data.iter().position(|byte| *byte == b'\n').unwrap_or(data.len());
+    let Ok(name) = std::str::from_utf8(&data[..end]) else { return };
+    let Ok(raw) = parse_raw_name(name) else { return };
+    let [x, y, z] = raw.dims;
+    let plain = parse_raw_name(&format!("{}_{x}x{y}x{z}_{}.raw", raw.name, raw.scalar_type)).expect("a plain name");
+    assert_eq!((raw.dims, raw.scalar_type), (plain.dims, plain.scalar_type));
+    volume(name, data.get(end + 1..).unwrap_or_default(), None);
+}
+
+/// An NRRD file; the first byte chooses the component.
+pub fn nrrd(data: &[u8]) {
+    let Some((first, bytes)) = data.split_first() else { return };
+    let _ = near::parse_header(bytes);
+    volume("fuzzed.nrrd", bytes, component(*first));
+}
+
+/// A MetaImage file; the first byte chooses the component.
+pub fn metaimage(data: &[u8]) {
+    let Some((first, bytes)) = data.split_first() else { return };
+    let _ = meta::parse_header(bytes);
+    volume("fuzzed.mha", bytes, component(*first));
+}
+
+/// The text of a graph file, as far as names go: read, its names looked up without sources, its camera fitted.
+pub fn graph(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    let Some(desc) = told(read::graph(file(), text), text) else { return };
+    told(resolve::resolve(&desc, &IndexMap::new(), &REGISTRY), text);
+    if let Some(camera) = &desc.camera {
+        let cube = [-1.0, 1.0].map(|side| [side; 3].into());
+        for size in [[300, 600], [600, 300]] {
+            let camera = camera.fit(&cube, f64::from(size[0]) / f64::from(size[1]));
+            let view = View { camera, size };
+            let _ = (view.lens(), view.pixel_bounds(&cube));
+        }
+    }
+}
+
+/// The text of a graph file, through all phases to a printed plan. The sources `molecule` and `colors` are the
+/// quickstart's, whatever the text says of them; others cannot be loaded.
+pub fn plan(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    let Ok(desc) = read::graph(file(), text) else { return };
+    let request = PlanRequest {
+        desc: &desc,
+        sources: &SOURCES,
+        registry: &REGISTRY,
+        shaders: &LIBRARY,
+        limits: &Limits::default(),
+        size: [64, 48],
+        extra_outputs: &[("depth", "color", "depth")],
+    };
+    let Some(plan) = told(Plan::build(request), text) else { return };
+    let _ = (plan.to_text(), plan.to_json(), plan.to_dot());
+    let view = plan.view();
+    let _ = plan.fingerprints(&view);
+    for id in &plan.order {
+        let _ = plan.record(*id, &view, plan.variants(*id).first().copied());
+    }
+}
+
+/// The text of a transfer function; what is read can be tabulated, and reads back equal from what is written.
+pub fn transfer(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    let Some(transfer) = told(TransferFunction::parse(file(), text), text) else { return };
+    let written = transfer.to_ron();
+    let again = TransferFunction::parse(file(), &written).expect("what is written reads back");
+    assert_eq!(again, transfer);
+    assert_eq!(again.to_ron(), written);
+    let post = transfer.post_table(1024).expect("a table of a usual size");
+    let pairs = transfer.preintegrated_table(64, 0.5).expect("a table of a usual size");
+    for entry in post.entries.iter().chain(&pairs.entries) {
+        assert!(entry.iter().all(|value| value.is_finite() && *value >= 0.0), "{entry:?}");
+    }
+}
+
+/// Shader files in one text: a line `//// PATH` begins each but the first, which is `root.wgsl`. They are linked
+/// over volgraph's own, and where that goes well checked.
+pub fn shader(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    let mut pieces = text.split("//// ");
+    let mut files = MemoryFiles::new().with("root.wgsl", pieces.next().unwrap_or_default());
+    for piece in pieces.take(8) {
+        let (path, body) = piece.split_once('\n').unwrap_or((piece, ""));
+        files = files.with(path, body);
+    }
+    let roots = ShaderRoots::new(Arc::new(files)).root("").embedded(&SHADERS);
+    let mut request = LinkRequest::new("root.wgsl").slot("own", "own.wgsl");
+    for (slot, choice) in REGISTRY.default_slots() {
+        request = request.slot(slot, choice);
+    }
+    let Some(linked) = told(link(&roots, &request), text) else { return };
+    let Some(module) = told(check(linked, Capabilities::default()), text) else { return };
+    let _ = format!("{:?}", module.info);
+}
+
+/// Lets panics of naga pass that volgraph catches on a thread of its own and tells as a finding; to be called once,
+/// before the first input.
+pub fn forgive_naga() {
+    let abort = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |info| {
+        if std::thread::current().name() != Some("volgraph-shader-check") {
+            abort(info);
+        }
+    }));
+}
+
+static REGISTRY: LazyLock<Registry> = LazyLock::new(volgraph_nodes::registry);
+
+static LIBRARY: LazyLock<ShaderLibrary> = LazyLock::new(|| {
+    let roots = ShaderRoots::new(Arc::new(MemoryFiles::new())).embedded(&SHADERS);
+    ShaderLibrary::new(roots, Capabilities::default(), None)
+});
+
+static SOURCES: LazyLock<IndexMap<String, Arc<dyn Source>>> = LazyLock::new(|| {
+    let text = r#"(sources: {
+        "molecule": analytic(field: "c60", dims: (8, 8, 8), type: "uint8"),
+        "colors": transfer(path: "transfer/molecule.ron"),
+    }, outputs: { "color": "image.color" })"#;
+    let desc: GraphDesc = read::graph(file(), text).expect("the sources' own text");
+    let base = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../graphs"));
+    let (loaded, findings) = sources::load(&desc, &REGISTRY, base, &|_, _, _| ());
+    assert!(findings.is_empty(), "{findings}");
+    loaded
+});
+
+fn file() -> &'static Path {
+    Path::new("fuzzed.ron")
+}
+
+/// Every finding can be printed with its excerpt.
+fn told<T>(result: Result<T, impl Into<Findings> + Debug>, text: &str) -> Option<T> {
+    result
+        .map_err(|findings| {
+            let findings = findings.into();
+            assert!(!findings.is_empty());
+            excerpt::render(&findings, |_| Some(text.to_owned()), false)
+        })
+        .ok()
+}
+
+fn component(byte: u8) -> Option<u32> {
+    (byte & 3).checked_sub(1).map(u32::from)
+}
+
+/// Whatever is read is whole; whatever is refused says why and what to do.
+fn volume(name: &str, bytes: &[u8], component: Option<u32>) {
+    let options = LoadOptions { component, ..LoadOptions::default() };
+    match Volume::from_bytes(name, bytes, &options) {
+        Ok(volume) => {
+            assert_eq!(volume.voxels().len() as u64, volume.grid().voxel_count());
+            assert!(volume.grid().check().is_ok());
+            let (low, high) = volume.grid().box_index();
+            let _ = (volume.trilinear(low), volume.trilinear(high), volume.digest(), volume.histogram(16));
+            let _ = volume.statistics().percentile(50.0);
+        }
+        Err(error) => {
+            assert!(!error.to_string().is_empty());
+            assert!(!error.trouble().remedy.is_empty());
+        }
+    }
+}
