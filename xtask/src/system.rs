@@ -106,7 +106,10 @@ mod tests {
             ("ID=ubuntu\nID_LIKE=debian\n", Family::Debian),
             ("ID=linuxmint\nID_LIKE=\"ubuntu debian\"\n", Family::Debian),
             ("ID='fedora'\n", Family::Fedora),
-            ("ID=\"rocky\"\nID_LIKE=\"rhel centos fedora\"\n", Family::Fedora),
+            (
+                "ID=\"rocky\"\nID_LIKE=\"rhel centos fedora\"\n",
+                Family::Fedora,
+            ),
             ("ID=manjaro\nID_LIKE=arch\n", Family::Arch),
             ("ID=alpine\n", Family::Other),
             // Keys that only begin alike say nothing.
@@ -120,7 +123,11 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn programs_are_found_in_the_order_of_their_names() {
-        let folders = || ["/no/such/folder", "/bin", "/usr/bin"].map(PathBuf::from).into_iter();
+        let folders = || {
+            ["/no/such/folder", "/bin", "/usr/bin"]
+                .map(PathBuf::from)
+                .into_iter()
+        };
         let found = find_in(folders(), &["no-such-program-as-this", "sh", "ls"]);
         assert!(found.is_some_and(|path| path.ends_with("sh")));
         assert_eq!(find_in(folders(), &["no-such-program-as-this"]), None);

@@ -6,7 +6,7 @@ use naga::valid::Capabilities;
 use volgraph_graph::Limits;
 use wgpu::{Device, DeviceDescriptor, Features, Queue};
 
-use crate::adapter::{AdapterChoice, AdapterSummary, choose, instance};
+use crate::adapter::{AdapterChoice, AdapterSummary, choose};
 use crate::error::GpuError;
 
 /// A device and its queue.
@@ -35,8 +35,7 @@ impl Gpu {
     /// # Errors
     /// [`GpuError::NoAdapter`], which says what to install, and [`GpuError::NoDevice`].
     pub fn open(choice: &AdapterChoice) -> Result<Self, GpuError> {
-        let instance = instance();
-        let (summary, adapter) = choose(&instance, choice)?;
+        let (summary, adapter) = choose(choice)?;
         let wanted = Features::FLOAT32_FILTERABLE
             | Features::TIMESTAMP_QUERY
             | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS

@@ -6,7 +6,7 @@
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -31,7 +31,7 @@ pub enum PortType {
     Color,
     /// A 2D texture of one number per pixel.
     Scalar2d,
-    /// A 1D texture of colour and extinction.
+    /// A row of colour and extinction over the scalar.
     Table1d,
     /// A 2D texture of segment colour and optical depth.
     Table2d,
@@ -243,6 +243,25 @@ pub trait Source: Send + Sync + fmt::Debug {
 /// Reports how much of a long read is done: (bytes so far, bytes in all or 0 where unknown).
 pub type Progress<'p> = &'p (dyn Fn(u64, u64) + Sync);
 
+/// Where the files of sources are looked for: the graph's own folder first, then folders of data.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Folders(Vec<PathBuf>);
+
+impl Folders {
+    /// The graph's folder, then the others in their order.
+    #[must_use]
+    pub fn new(graph: impl Into<PathBuf>, data: &[PathBuf]) -> Self {
+        Self(std::iter::once(graph.into()).chain(data.iter().cloned()).collect())
+    }
+
+    /// The first folder's file that is there; where none is, the one in the graph's folder.
+    #[must_use]
+    pub fn find(&self, path: &str) -> PathBuf {
+        let in_folders = || self.0.iter().map(|folder| folder.join(path));
+        in_folders().find(|file| file.exists()).or_else(|| in_folders().next()).unwrap_or_else(|| path.into())
+    }
+}
+
 /// A kind of source.
 pub trait SourceKind: Send + Sync {
     /// Its name, such as `volume`.
@@ -257,14 +276,15 @@ pub trait SourceKind: Send + Sync {
     /// Its fields. A field whose default is an empty text or vector may be left out without a meaning of its own.
     fn params(&self) -> Vec<ParamSpec>;
 
-    /// Reads it. `params` are checked against [`Self::params`] and hold given values alone; paths are relative to `base`.
+    /// Reads it. `params` are checked against [`Self::params`] and hold given values alone; paths are looked up in
+    /// `folders`.
     ///
     /// # Errors
     /// Everything wrong with its files; findings without a place get the source's place in the graph file.
     fn load(
         &self,
         params: &BTreeMap<String, ParamValue>,
-        base: &Path,
+        folders: &Folders,
         progress: Progress<'_>,
     ) -> Result<Arc<dyn Source>, Findings>;
 }

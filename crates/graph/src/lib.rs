@@ -31,12 +31,12 @@ mod resource;
 pub mod size;
 pub mod sources;
 
-pub use camera::{Camera, CameraDesc, Lens, Projection, View};
+pub use camera::{Camera, CameraDesc, Lens, Pose, Projection, View};
 pub use desc::{EdgeDesc, GraphDesc, NodeDesc, ParamDesc, SourceDesc};
 pub use fingerprint::{Digest, hex};
 pub use graph::{Graph, Link, Node, NodeBody, NodeId, Origin, Program};
 pub use kind::{
-    Demand, InputPort, NodeContext, NodeKind, OutputPort, PortType, ProgramSpec, Progress, Requirement, SlotSpec, Source,
+    Demand, Folders, InputPort, NodeContext, NodeKind, OutputPort, PortType, ProgramSpec, Progress, Requirement, SlotSpec, Source,
     SourceKind, Uniform,
 };
 pub use pass::{Mesh, Pass, UploadBytes};

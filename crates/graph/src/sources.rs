@@ -1,14 +1,13 @@
 //! Loads what a graph draws: its volumes, transfer functions and images, each through its source kind.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::Arc;
 
 use indexmap::IndexMap;
 use volgraph_report::{Finding, Findings, did_you_mean};
 
 use crate::desc::{GraphDesc, SourceDesc};
-use crate::kind::{Progress, Source};
+use crate::kind::{Folders, Progress, Source};
 use crate::registry::Registry;
 
 /// The loaded sources by name, those that could not be loaded left out, and everything wrong with them. `progress`
@@ -16,14 +15,14 @@ use crate::registry::Registry;
 pub fn load(
     desc: &GraphDesc,
     registry: &Registry,
-    base: &Path,
+    folders: &Folders,
     progress: &(dyn Fn(&str, u64, u64) + Sync),
 ) -> (IndexMap<String, Arc<dyn Source>>, Findings) {
     let mut findings = Findings::new();
     let mut loaded = IndexMap::new();
     for (name, source) in &desc.sources {
         let report = |done, total| progress(name, done, total);
-        if let Some(source) = findings.take_all(load_one(source, registry, base, &report)) {
+        if let Some(source) = findings.take_all(load_one(source, registry, folders, &report)) {
             loaded.insert(name.clone(), source);
         }
     }
@@ -37,7 +36,7 @@ pub fn load(
 pub fn load_one(
     desc: &SourceDesc,
     registry: &Registry,
-    base: &Path,
+    folders: &Folders,
     progress: Progress<'_>,
 ) -> Result<Arc<dyn Source>, Findings> {
     let Some(kind) = registry.source(&desc.kind) else {
@@ -67,7 +66,7 @@ pub fn load_one(
         }
     }
     let params = findings.into_result(params)?;
-    kind.load(&params, base, progress).map_err(|findings| findings.into_iter().map(|f| placed(f, desc)).collect())
+    kind.load(&params, folders, progress).map_err(|findings| findings.into_iter().map(|f| placed(f, desc)).collect())
 }
 
 /// A finding without a place stands where the graph names the source; one in another file tells who asked for that.

@@ -6,9 +6,10 @@ pub mod transfer;
 pub mod volume;
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use glam::DVec3;
+use volgraph_graph::Folders;
 use volgraph_report::Finding;
 use volgraph_shader::ParamValue;
 
@@ -23,11 +24,11 @@ impl Given<'_> {
         }
     }
 
-    fn path(&self, name: &str, base: &Path) -> Result<PathBuf, Finding> {
+    fn path(&self, name: &str, folders: &Folders) -> Result<PathBuf, Finding> {
         match self.text(name) {
-            Some(path) if !path.is_empty() => Ok(base.join(path)),
+            Some(path) if !path.is_empty() => Ok(folders.find(path)),
             _ => Err(Finding::error("missing-field", format!("the field `{name}` is missing"))
-                .help(format!("add `{name}: \"…\"`, relative to the graph file"))),
+                .help(format!("add `{name}: \"…\"`, relative to the graph file or to a folder of data"))),
         }
     }
 

@@ -31,7 +31,7 @@ const OUTPUTS: &[OutputPort] = &[OutputPort {
 /// The parameter with the number of entries, for kinds that call for this one.
 #[must_use]
 pub fn size_param() -> ParamSpec {
-    ParamSpec::int("table_size", 4096, "Entries of the classification table.").range(1024.0, 8192.0)
+    ParamSpec::int("table_size", 8192, "Entries of the classification table.").range(1024.0, 8192.0)
 }
 
 /// The transfer function at a node's input port.
@@ -67,7 +67,8 @@ impl NodeKind for TransferTable {
 
     fn output(&self, _port: &str, node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
         Ok(ResourceDesc::Texture {
-            dimensions: 1,
+            // One row of a 2D texture: wgpu 30 makes 1D textures 2D on GL, where shaders still ask for 1D ones.
+            dimensions: 2,
             size: Size::Absolute([node.uint("table_size"), 1, 1]),
             format: TextureFormat::Rgba32Float,
         })

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand};
 use volgraph::{AdapterChoice, CameraDesc, Overrides, ParamOverride, ShaderFolders};
+use volgraph_volume::ScalarType;
 
 /// Draws volumes with WGSL shaders that plug into a render graph, and says how wrong each picture is.
 #[derive(Parser, Debug)]
@@ -52,6 +53,9 @@ pub struct SceneArgs {
     /// The camera, as a graph writes it: orbit(azimuth: 40, elevation: 25) or look_at(eye: (1, 2, 3)).
     #[arg(long, value_name = "CAMERA", value_parser = parse_camera)]
     pub camera: Option<CameraDesc>,
+    /// A folder of volumes, for files that do not lie beside the graph; may be given again.
+    #[arg(long, value_name = "FOLDER", env = "VOLGRAPH_DATA", value_delimiter = ':')]
+    pub data: Vec<PathBuf>,
     /// A folder of your own shaders, searched first; may be given again.
     #[arg(long, value_name = "FOLDER", env = "VOLGRAPH_SHADERS", value_delimiter = ':')]
     pub shaders: Vec<PathBuf>,
@@ -63,7 +67,12 @@ pub struct SceneArgs {
 impl SceneArgs {
     /// What they change in the graph.
     pub fn overrides(&self) -> Overrides {
-        Overrides { params: self.set.clone(), volumes: self.volume.clone(), camera: self.camera.clone() }
+        Overrides {
+            params: self.set.clone(),
+            volumes: self.volume.clone(),
+            camera: self.camera.clone(),
+            data: self.data.clone(),
+        }
     }
 
     /// Where shaders are.
@@ -117,6 +126,9 @@ pub struct CheckArgs {
     /// A folder of your own shaders, searched first; may be given again.
     #[arg(long, value_name = "FOLDER", env = "VOLGRAPH_SHADERS", value_delimiter = ':')]
     pub shaders: Vec<PathBuf>,
+    /// A folder of volumes, for files that do not lie beside their graph; may be given again.
+    #[arg(long, value_name = "FOLDER", env = "VOLGRAPH_DATA", value_delimiter = ':')]
+    pub data: Vec<PathBuf>,
     /// How findings are printed.
     #[arg(long, default_value = "human")]
     pub format: FindingFormat,
@@ -143,8 +155,8 @@ pub struct InfoArgs {
     #[arg(long, value_name = "XxYxZ", value_parser = parse_dims)]
     pub dims: Option<[u32; 3]>,
     /// Scalar type of a raw file whose name does not say, such as uint8.
-    #[arg(long = "type", value_name = "TYPE")]
-    pub scalar_type: Option<String>,
+    #[arg(long = "type", value_name = "TYPE", value_parser = parse_type)]
+    pub scalar_type: Option<ScalarType>,
     /// A raw file has its highest byte first.
     #[arg(long)]
     pub big_endian: bool,
@@ -163,6 +175,12 @@ pub struct CompareArgs {
     pub a: PathBuf,
     /// The picture that it is held against.
     pub b: PathBuf,
+    /// Exit with 1 where the root mean square error is larger.
+    #[arg(long, value_name = "ERROR", value_parser = parse_bound)]
+    pub max_rmse: Option<f64>,
+    /// Exit with 1 where the error of any component of any pixel is larger.
+    #[arg(long, value_name = "ERROR", value_parser = parse_bound)]
+    pub max_error: Option<f64>,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,
@@ -224,6 +242,20 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
 fn parse_dims(text: &str) -> Result<[u32; 3], String> {
     let sides: Vec<u32> = text.split('x').map_while(|side| side.parse().ok().filter(|n| *n > 0)).collect();
     <[u32; 3]>::try_from(sides).map_err(|_| "write it as XxYxZ, such as 256x256x128".to_owned())
+}
+
+fn parse_type(text: &str) -> Result<ScalarType, String> {
+    ScalarType::parse(text).ok_or_else(|| {
+        let names: Vec<&str> = ScalarType::ALL.iter().map(|scalar_type| scalar_type.name()).collect();
+        format!("types are {}", names.join(", "))
+    })
+}
+
+fn parse_bound(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(bound) if bound >= 0.0 => Ok(bound),
+        _ => Err("give a number of at least 0".to_owned()),
+    }
 }
 
 fn parse_volume(text: &str) -> Result<(String, PathBuf), String> {

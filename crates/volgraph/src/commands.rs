@@ -1,6 +1,12 @@
 //! The commands, one file each.
 
+mod adapters;
 mod bench;
+mod check;
+mod compare;
+mod errors;
+mod info;
+mod nodes;
 mod plan;
 mod render;
 
@@ -17,8 +23,12 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
     match command {
         Command::Render(args) => render::run(&args),
         Command::Plan(args) => plan::run(&args),
+        Command::Check(args) => check::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Compare(args) => compare::run(&args),
+        Command::Nodes(args) => nodes::run(&args),
+        Command::Adapters(args) => adapters::run(&args),
         Command::Bench(args) => bench::run(&args),
-        _ => anyhow::bail!("not built yet"),
     }
 }
 

@@ -16,6 +16,8 @@ pub struct Overrides {
     pub volumes: Vec<(String, PathBuf)>,
     /// `--camera …`.
     pub camera: Option<CameraDesc>,
+    /// `--data FOLDER`: where files of sources are looked for that do not lie beside the graph.
+    pub data: Vec<PathBuf>,
 }
 
 /// One `--set`: `node.param=value`, `node.slots.slot=choice` or `source.field=value`.

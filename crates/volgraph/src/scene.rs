@@ -7,7 +7,7 @@ use std::sync::Arc;
 use indexmap::IndexMap;
 use naga::valid::Capabilities;
 use volgraph_graph::demand::ShaderLibrary;
-use volgraph_graph::{GraphDesc, Limits, Plan, PlanRequest, Registry, Source, read, sources};
+use volgraph_graph::{Folders, GraphDesc, Limits, Plan, PlanRequest, Registry, Source, read, sources};
 use volgraph_report::{Finding, Findings, Place};
 
 use crate::overrides::Overrides;
@@ -63,9 +63,9 @@ impl Scene {
         let text = read_text(path)?;
         let mut desc = read::graph(path, &text)?;
         overrides.apply(&mut desc)?;
-        let base = folder_of(path);
         let report = |source: &str, done: u64, total: u64| progress.progress(source, done, total);
-        let (sources, mut findings) = sources::load(&desc, &registry, &base, &report);
+        let folders = Folders::new(folder_of(path), &overrides.data);
+        let (sources, mut findings) = sources::load(&desc, &registry, &folders, &report);
         // Names can be looked up even where a source is broken: all findings at once.
         if let Err(more) = volgraph_graph::resolve::resolve(&desc, &sources, &registry) {
             findings.extend(more);

@@ -1,10 +1,9 @@
 //! `analytic(field: "marschner_lobb", dims: (64, 64, 64))`: a volume sampled from a known function.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::Arc;
 
-use volgraph_graph::{PortType, Source, SourceKind};
+use volgraph_graph::{Folders, PortType, Source, SourceKind};
 use volgraph_report::{Finding, Findings, did_you_mean};
 use volgraph_shader::{ParamSpec, ParamValue};
 use volgraph_volume::analytic::{AnalyticField, sample};
@@ -55,7 +54,7 @@ impl SourceKind for AnalyticKind {
     fn load(
         &self,
         params: &BTreeMap<String, ParamValue>,
-        _base: &Path,
+        _folders: &Folders,
         progress: volgraph_graph::Progress<'_>,
     ) -> Result<Arc<dyn Source>, Findings> {
         let given = Given(params);

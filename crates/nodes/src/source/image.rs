@@ -2,10 +2,10 @@
 
 use std::any::Any;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use volgraph_graph::{Digest, PortType, Source, SourceKind};
+use volgraph_graph::{Digest, Folders, PortType, Source, SourceKind};
 use volgraph_picture::Picture;
 use volgraph_report::{Finding, Findings, Place};
 use volgraph_shader::{ParamSpec, ParamValue};
@@ -44,10 +44,10 @@ impl SourceKind for ImageKind {
     fn load(
         &self,
         params: &BTreeMap<String, ParamValue>,
-        base: &Path,
+        folders: &Folders,
         _progress: volgraph_graph::Progress<'_>,
     ) -> Result<Arc<dyn Source>, Findings> {
-        let path = Given(params).path("path", base)?;
+        let path = Given(params).path("path", folders)?;
         let picture = Picture::load(&path)
             .map_err(|error| Finding::error("image", error.to_string()).at(Place::whole_file(&path)))?;
         let mut hasher = volgraph_graph::fingerprint::Hasher::new();

@@ -2,10 +2,10 @@
 
 use std::any::Any;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use volgraph_graph::{Digest, PortType, Source, SourceKind};
+use volgraph_graph::{Digest, Folders, PortType, Source, SourceKind};
 use volgraph_optics::TransferFunction;
 use volgraph_report::Findings;
 use volgraph_shader::{ParamSpec, ParamValue};
@@ -43,10 +43,10 @@ impl SourceKind for TransferKind {
     fn load(
         &self,
         params: &BTreeMap<String, ParamValue>,
-        base: &Path,
+        folders: &Folders,
         _progress: volgraph_graph::Progress<'_>,
     ) -> Result<Arc<dyn Source>, Findings> {
-        let path = Given(params).path("path", base)?;
+        let path = Given(params).path("path", folders)?;
         let transfer = Arc::new(TransferFunction::load(&path)?);
         Ok(Arc::new(TransferSource { transfer, path }))
     }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
-use volgraph_graph::{Digest, PortType, Source, SourceKind};
+use volgraph_graph::{Digest, Folders, PortType, Source, SourceKind};
 use volgraph_report::{Finding, Findings};
 use volgraph_shader::{ParamSpec, ParamValue};
 use volgraph_volume::{LoadOptions, ScalarType, Volume};
@@ -52,11 +52,11 @@ impl SourceKind for VolumeKind {
     fn load(
         &self,
         params: &BTreeMap<String, ParamValue>,
-        base: &Path,
+        folders: &Folders,
         progress: volgraph_graph::Progress<'_>,
     ) -> Result<Arc<dyn Source>, Findings> {
         let given = Given(params);
-        let path = given.path("path", base)?;
+        let path = given.path("path", folders)?;
         let scalar_type = match given.text("type").filter(|name| !name.is_empty()) {
             None => None,
             Some(name) => Some(ScalarType::parse(name).ok_or_else(|| {

@@ -4,23 +4,21 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
-use anyhow::Context;
 use serde_json::json;
-use volgraph::{Session, SessionOptions};
+use volgraph::{Findings, Session, SessionOptions};
 use volgraph_gpu::Gpu;
-use volgraph_picture::{PngBits, SaveOptions};
+use volgraph_picture::{PictureError, PngBits, SaveOptions};
 
-use super::load;
+use super::{errors, load};
 use crate::args::RenderArgs;
 use crate::output;
 
 pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
     let extension = args.output.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
-    anyhow::ensure!(
-        extension == "png" || extension == "exr",
-        "{}: pictures are written as .png or .exr",
-        args.output.display()
-    );
+    if extension != "png" && extension != "exr" {
+        let error = PictureError::Extension { path: args.output.clone() };
+        return Err(Findings::from(errors::of_picture(&error, &args.output)).into());
+    }
     let start = Instant::now();
     let scene = load(&args.scene)?;
     let options = SessionOptions {
@@ -38,7 +36,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
     let bits = if args.png_bits == "16" { PngBits::Sixteen } else { PngBits::Eight };
     let saved = picture
         .save(&args.output, SaveOptions::default().with_png_bits(bits))
-        .with_context(|| format!("the picture {} is not saved", args.output.display()))?;
+        .map_err(|error| Findings::from(errors::of_picture(&error, &args.output)))?;
     if saved.nan_pixels > 0 {
         output::warn(&format!(
             "{} pixels are not numbers: a shader divides by zero or takes a root of a negative number",

@@ -1,0 +1,89 @@
+//! What shaders call for.
+
+use volgraph_graph::Origin;
+use volgraph_shader::ParamValue;
+
+use crate::{demand, graph_text, id, names, only};
+
+fn paint(light: &str) -> String {
+    format!("\"p\": (kind: \"paint\", in: {{ \"volume\": \"f\" }}, slots: {{ \"light\": \"{light}\" }}),")
+}
+
+#[test]
+fn a_used_binding_calls_for_its_node_and_that_for_its_own() {
+    let graph = demand(&graph_text(&paint("tabled"), "\"color\": \"p\"")).unwrap();
+    assert_eq!(names(&graph), ["f", "p", "p.table", "p.table.upload"]);
+    let table = &graph.nodes[id(&graph, "p.table")];
+    assert_eq!(graph.nodes[id(&graph, "p")].inputs["table"].node, id(&graph, "p.table"));
+    assert_eq!(table.params["gain"], ParamValue::Float(2.0), "it gets its caller's parameter");
+    assert_eq!(table.origin, Origin::Demanded { by: id(&graph, "p"), binding: "table".to_owned() });
+}
+
+#[test]
+fn nothing_is_called_for_by_what_no_entry_point_uses() {
+    let graph = demand(&graph_text(&paint("flat"), "\"color\": \"p\"")).unwrap();
+    assert_eq!(names(&graph), ["f", "p"]);
+}
+
+#[test]
+fn a_connected_port_that_nobody_reads_is_let_go_and_one_that_is_read_is_kept() {
+    for (light, is_read) in [("flat", false), ("over", true)] {
+        let nodes = format!(
+            "\"q\": (kind: \"paint\"), \"p\": (kind: \"paint\", in: {{ \"behind\": \"q\" }}, slots: {{ \"light\": \"{light}\" }}),"
+        );
+        let graph = demand(&graph_text(&nodes, "\"color\": \"p\"")).unwrap();
+        assert_eq!(graph.nodes[id(&graph, "p")].inputs.contains_key("behind"), is_read, "{light}");
+    }
+}
+
+#[test]
+fn the_files_own_writer_goes_before_a_demand() {
+    let nodes = "\"t\": (kind: \"table\", in: { \"volume\": \"f\" }),
+        \"p\": (kind: \"paint\", in: { \"table\": \"t\" }, slots: { \"light\": \"tabled\" }),";
+    let graph = demand(&graph_text(nodes, "\"color\": \"p\"")).unwrap();
+    assert_eq!(names(&graph), ["f", "t", "p", "t.upload"]);
+}
+
+#[test]
+fn equal_demands_share_one_node_and_unequal_ones_do_not() {
+    let two = |amount: &str| {
+        let nodes = format!(
+            "{} \"q\": (kind: \"paint\", in: {{ \"volume\": \"f\", \"behind\": \"p\" }}, \
+             slots: {{ \"light\": \"tabled\" }}, params: {{ \"amount\": {amount} }}),",
+            paint("tabled")
+        );
+        let graph = demand(&graph_text(&nodes, "\"a\": \"p\", \"b\": \"q\"")).unwrap();
+        names(&graph).iter().filter(|name| name.ends_with(".table")).count()
+    };
+    assert_eq!(two("2.0"), 1);
+    assert_eq!(two("3.0"), 2);
+}
+
+/// `outer` calls for the table only after the table's own shader has given that parameters and an input.
+#[test]
+fn a_demand_finds_a_node_that_is_linked_already() {
+    let graph = demand(&graph_text(&paint("both"), "\"color\": \"p\"")).unwrap();
+    assert_eq!(names(&graph), ["f", "p", "p.table", "p.outer", "p.table.upload"]);
+    let outer = &graph.nodes[id(&graph, "p.outer")];
+    assert_eq!(outer.inputs["table"].node, id(&graph, "p.table"));
+}
+
+#[test]
+fn a_demand_without_its_input_names_binding_and_port() {
+    let nodes = "\"p\": (kind: \"paint\", slots: { \"light\": \"tabled\" }),";
+    let finding = only(demand(&graph_text(nodes, "\"color\": \"p\"")));
+    assert_eq!(finding.code, "missing-input");
+    assert_eq!(finding.place.unwrap().line, 4);
+    assert!(finding.message.contains("`volume`") && finding.message.contains("`table`"), "{}", finding.message);
+    let (used, _) = &finding.related[0];
+    assert_eq!((used.file.to_str(), used.line), (Some("/s/slot/light/tabled.wgsl"), 1));
+}
+
+#[test]
+fn what_cannot_be_called_for_is_told() {
+    assert_eq!(only(demand(&graph_text(&paint("unregistered"), "\"color\": \"p\""))).code, "unknown-kind");
+    let headless = "\"p\": (kind: \"headless\"),";
+    assert_eq!(only(demand(&graph_text(headless, "\"color\": \"p\""))).code, "missing-entry");
+    let finding = only(demand(&graph_text(&paint("flt"), "\"color\": \"p\"")));
+    assert_eq!((finding.code, finding.place.unwrap().line), ("unknown-choice", 4), "where the graph chooses");
+}

@@ -1,0 +1,145 @@
+//! `volgraph check`: shaders, graphs and transfer functions, without a GPU.
+//!
+//! The way of the data: paths become files, folders searched for `.wgsl` and `.ron`, each file once; every shader is
+//! linked and checked alone with the default choices of the slots it imports, every choice of a slot in its slot as
+//! well ([`shaders`]); a `.ron` file is what its fields say, a graph ([`graphs`]) or a transfer function. A graph is
+//! loaded and planned for what WebGPU guarantees (with filtered floats). Where a volume file is not there, a volume
+//! of 2×2×2 voxels stands in for it, and the finding `data-missing` is a warning: shaders and ports are checked
+//! wherever the data is. All findings come at once, in the order of their places; errors alone give exit code 1.
+
+mod format;
+mod graphs;
+mod shaders;
+
+use std::collections::HashSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use volgraph::{Finding, Findings, Place, ShaderFolders, registry};
+use volgraph_optics::TransferFunction;
+use volgraph_report::ron_text::Document;
+
+use crate::args::{CheckArgs, FindingFormat};
+use crate::output;
+
+/// Folders deeper than this are not searched.
+const MAX_DEPTH: usize = 64;
+
+/// A `.ron` file is at most this long.
+const MAX_RON_BYTES: u64 = 4 << 20;
+
+pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
+    let mut findings = Findings::new();
+    let files = files(&args.paths, &mut findings);
+    let registry = registry();
+    let folders = ShaderFolders { own: args.shaders.clone() };
+    let is_wgsl = |path: &&PathBuf| path.extension().is_some_and(|extension| extension == "wgsl");
+    let wgsl: Vec<&Path> = files.iter().filter(is_wgsl).map(PathBuf::as_path).collect();
+    findings.extend(shaders::check(&wgsl, &registry, &folders));
+    let graphs = graphs::Checker { registry: &registry, folders: &folders, data: &args.data };
+    for path in files.iter().filter(|path| !is_wgsl(path)) {
+        findings.extend(check_ron(path, &graphs));
+    }
+    let findings = each_once(findings);
+    match args.format {
+        FindingFormat::Human if findings.is_empty() => {}
+        FindingFormat::Human => output::report(&findings),
+        FindingFormat::Json => output::print_json(&format::json(&findings)),
+        FindingFormat::Github if findings.is_empty() => {}
+        FindingFormat::Github => output::print(&format::github(&findings)),
+    }
+    if args.format != FindingFormat::Json {
+        output::print(&format::summary(files.len(), &findings));
+    }
+    Ok(ExitCode::from(u8::from(findings.has_errors())))
+}
+
+/// All files that these paths name, sorted, each once.
+fn files(paths: &[PathBuf], findings: &mut Findings) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for path in paths {
+        match fs::metadata(path) {
+            Ok(metadata) if metadata.is_dir() => search(path, 0, &mut files, findings),
+            Ok(_) if is_checked(path) => files.push(path.clone()),
+            Ok(_) => findings.push(
+                Finding::error("unknown-file", "only files that end in .wgsl or .ron are checked")
+                    .at(Place::whole_file(path))
+                    .help("name a shader, a graph, a transfer function, or a folder of these"),
+            ),
+            Err(error) => findings.push(unreadable(path, &error)),
+        }
+    }
+    files.sort();
+    let mut seen = HashSet::new();
+    files.retain(|path| seen.insert(fs::canonicalize(path).unwrap_or_else(|_| path.clone())));
+    files
+}
+
+fn search(folder: &Path, depth: usize, files: &mut Vec<PathBuf>, findings: &mut Findings) {
+    let entries = match fs::read_dir(folder) {
+        Ok(entries) => entries,
+        Err(error) => return findings.push(unreadable(folder, &error)),
+    };
+    for entry in entries.flatten() {
+        let path = entry.path();
+        let is_hidden = entry.file_name().to_string_lossy().starts_with('.');
+        // A linked folder may lead back to where it lies.
+        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+        if is_folder && !is_hidden && depth < MAX_DEPTH {
+            search(&path, depth + 1, files, findings);
+        } else if !is_folder && is_checked(&path) && path.is_file() {
+            files.push(path);
+        }
+    }
+}
+
+fn is_checked(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "wgsl" || extension == "ron")
+}
+
+fn unreadable(path: &Path, error: &std::io::Error) -> Finding {
+    Finding::error("io", format!("it cannot be read: {error}"))
+        .at(Place::whole_file(path))
+        .help("check that the path is right and that you may read it")
+}
+
+/// A graph or a transfer function, by its fields.
+fn check_ron(path: &Path, graphs: &graphs::Checker<'_>) -> Findings {
+    let text = match read(path) {
+        Ok(text) => text,
+        Err(finding) => return finding.into(),
+    };
+    let entries = match Document::parse(path, &text).map_err(Findings::from).and_then(|document| document.fields()) {
+        Ok(entries) => entries,
+        Err(findings) => return findings,
+    };
+    let has = |names: &[&str]| entries.iter().any(|entry| names.contains(&entry.name.as_str()));
+    if has(&["nodes", "sources", "outputs"]) {
+        graphs.check(path, text)
+    } else if has(&["points", "color", "opacity", "extinction", "domain"]) {
+        TransferFunction::load(path).err().unwrap_or_default()
+    } else {
+        Finding::error("unknown-file", "this is neither a graph nor a transfer function")
+            .at(Place::whole_file(path))
+            .help("a graph has `nodes` and `outputs`; a transfer function has `points`, or `color` and `opacity`")
+            .into()
+    }
+}
+
+fn read(path: &Path) -> Result<String, Finding> {
+    let metadata = fs::metadata(path).map_err(|error| unreadable(path, &error))?;
+    if metadata.len() > MAX_RON_BYTES {
+        return Err(Finding::error("too-large", "a RON file of more than 4 MiB is refused").at(Place::whole_file(path)));
+    }
+    fs::read_to_string(path).map_err(|error| unreadable(path, &error))
+}
+
+/// A library's fault is found again with each file that imports it.
+fn each_once(findings: Findings) -> Findings {
+    let mut seen = HashSet::new();
+    findings
+        .into_iter()
+        .filter(|finding| seen.insert((finding.code, finding.message.clone(), finding.place.clone())))
+        .collect()
+}

@@ -1,0 +1,117 @@
+//! Checks a graph as far as a plan goes, with its data or without.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glam::DVec3;
+use indexmap::IndexMap;
+use naga::valid::Capabilities;
+use volgraph::{Finding, Findings, Limits, Overrides, Registry, Scene, ShaderFolders, SourceProgress};
+use volgraph_graph::{Folders, SourceDesc, Source, read, resolve, sources};
+use volgraph_nodes::source::volume::VolumeSource;
+use volgraph_shader::ParamValue;
+use volgraph_volume::{Grid, Volume};
+
+use crate::progress::Bars;
+
+/// What all graphs are checked with.
+pub struct Checker<'a> {
+    pub registry: &'a Registry,
+    pub folders: &'a ShaderFolders,
+    /// Folders of data.
+    pub data: &'a [PathBuf],
+}
+
+impl Checker<'_> {
+    /// Everything wrong with a graph, with and without depth and opacity.
+    pub fn check(&self, path: &Path, text: String) -> Findings {
+        let desc = match read::graph(path, &text) {
+            Ok(desc) => desc,
+            Err(findings) => return findings,
+        };
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folders = Folders::new(folder, self.data);
+        let mut findings = Findings::new();
+        let mut loaded = IndexMap::new();
+        let bars = Bars::new();
+        for (name, source) in &desc.sources {
+            if let Some(source) = self.source(name, source, &folders, &bars, &mut findings) {
+                loaded.insert(name.clone(), source);
+            }
+        }
+        bars.clear();
+        // Names can be looked up even where a source is broken: all findings at once.
+        if let Err(more) = resolve::resolve(&desc, &loaded, self.registry) {
+            findings.extend(more);
+        }
+        if findings.has_errors() {
+            return findings;
+        }
+        let scene = Scene {
+            path: path.to_path_buf(),
+            text,
+            desc,
+            overrides: Overrides::default(),
+            sources: loaded,
+            registry: self.registry.clone(),
+            shader_folders: self.folders.clone(),
+        };
+        let shaders = scene.shader_library(Capabilities::default());
+        // A graph may ask for floats that nearly every device can filter; a plan for a device that cannot tells.
+        let limits = Limits { float32_filterable: true, norm16: true, ..Limits::default() };
+        for with_layers in [false, true] {
+            if let Err(more) = scene.plan(&shaders, &limits, [512, 512], with_layers) {
+                findings.extend(more);
+                break;
+            }
+        }
+        findings
+    }
+
+    fn source(
+        &self,
+        name: &str,
+        desc: &SourceDesc,
+        folders: &Folders,
+        bars: &Bars,
+        findings: &mut Findings,
+    ) -> Option<Arc<dyn Source>> {
+        let progress = |done, total| bars.progress(name, done, total);
+        match sources::load_one(desc, self.registry, folders, &progress) {
+            Ok(source) => Some(source),
+            Err(found) => {
+                // Whatever else is wrong with the source is found before its file is looked for.
+                let missing = missing_volume(desc, folders)
+                    .filter(|_| (&found).into_iter().all(|finding| finding.code == "volume-unreadable"));
+                let stand_in = missing.and_then(|file| Some((file, stand_in(name)?)));
+                let Some(((path, file), stand_in)) = stand_in else {
+                    findings.extend(found);
+                    return None;
+                };
+                let message = format!("the volume `{}` is not here; the rest is checked without it", file.display());
+                findings.push(
+                    Finding::warning("data-missing", message)
+                        .at(path.place.clone())
+                        .help("name the folder that has it with `--data FOLDER`"),
+                );
+                Some(stand_in)
+            }
+        }
+    }
+}
+
+/// The field and the file of a volume that is not there.
+fn missing_volume<'d>(desc: &'d SourceDesc, folders: &Folders) -> Option<(&'d volgraph_graph::ParamDesc, PathBuf)> {
+    let path = desc.params.get("path").filter(|_| desc.kind == "volume")?;
+    let ParamValue::Text(text) = &path.value else { return None };
+    let file = folders.find(text);
+    (!file.exists()).then_some((path, file))
+}
+
+/// Eight voxels over the whole range of their type.
+fn stand_in(name: &str) -> Option<Arc<dyn Source>> {
+    let grid = Grid::axis_aligned([2; 3], DVec3::ONE, DVec3::ZERO);
+    let voxels: Vec<u8> = vec![0, 36, 72, 108, 144, 180, 216, 255];
+    let volume = Volume::new(name, grid, voxels.into()).ok()?;
+    Some(Arc::new(VolumeSource { volume: Arc::new(volume) }))
+}
