@@ -203,7 +203,11 @@ fn told<T>(result: Result<T, impl Into<Findings> + Debug>, text: &str) -> Option
         .map_err(|findings| {
             let findings = findings.into();
             assert!(!findings.is_empty());
-            excerpt::render(&findings, |_| Some(text.to_owned()), false)
+            let text = excerpt::render(&findings, |_| Some(text.to_owned()), false);
+            // A test that fails shows why.
+            #[cfg(test)]
+            eprintln!("{text}");
+            text
         })
         .ok()
 }

@@ -1,6 +1,7 @@
 //! Pictures against closed forms, on every backend, stage and classification.
 
 use glam::DVec3;
+use volgraph::{Picture, View};
 use volgraph_tests::{STAGES, Stage, adapters, box_interval, graph, ray, render};
 
 const CAMERAS: [&str; 4] = [
@@ -13,18 +14,15 @@ const CAMERAS: [&str; 4] = [
 
 /// The largest error of the opacity over all pixels, and the number of pixels whose ray meets the box.
 fn worst(
-    stage: &Stage,
-    sets: &[&str],
-    backend: &str,
+    (picture, view): &(Picture, View),
     (low, high): (DVec3, DVec3),
     truth: impl Fn(DVec3, DVec3) -> f64,
 ) -> (f64, usize) {
-    let (picture, view) = render(stage, sets, backend, [48, 40]);
-    let opacity = picture.opacity.unwrap();
+    let opacity = picture.opacity.as_ref().unwrap();
     let (mut worst, mut met) = (0.0_f64, 0);
     for y in 0..picture.height {
         for x in 0..picture.width {
-            let ray = ray(&view, x, y);
+            let ray = ray(view, x, y);
             let expected = match box_interval(ray, low, high) {
                 Some((near, far)) => {
                     met += 1;
@@ -62,12 +60,13 @@ fn a_constant_volume_absorbs_by_its_length() {
                     let set = format!("image.stage={form}");
                     let span = (DVec3::splat(-0.5), DVec3::splat(7.5));
                     let truth = |from: DVec3, to: DVec3| 1.0 - (-extinction * from.distance(to)).exp();
-                    let (error, met) = worst(&stage, &[&set], &backend, span, truth);
+                    let drawn = render(&stage, &[&set], &backend, [48, 40]);
+                    let (error, met) = worst(&drawn, span, truth);
                     assert!(error <= 1e-4, "{backend} {form} {camera} {slots}: {error}");
                     assert!(met > 100, "{camera} shows nothing");
                     // The check itself must see a volume that is a hundredth off.
                     let off = |from: DVec3, to: DVec3| 1.0 - (-1.01 * extinction * from.distance(to)).exp();
-                    assert!(worst(&stage, &[&set], &backend, span, off).0 > 1e-4);
+                    assert!(worst(&drawn, span, off).0 > 1e-4);
                 }
             }
         }
@@ -100,7 +99,7 @@ fn a_linear_ramp_of_extinction_has_its_closed_form() {
                     let mean = 0.4 * 0.5 * (from.x + to.x) / 8.0;
                     1.0 - (-mean * from.distance(to)).exp()
                 };
-                let (error, met) = worst(&stage, &[&set], &backend, span, truth);
+                let (error, met) = worst(&render(&stage, &[&set], &backend, [48, 40]), span, truth);
                 assert!(error <= 1e-4, "{backend} {form} {slots}: {error}");
                 assert!(met > 100);
             }
@@ -198,7 +197,8 @@ fn one_voxel_thick_volumes_are_drawn() {
         for backend in adapters() {
             let truth = |from: DVec3, to: DVec3| 1.0 - 0.5_f64.powf(from.distance(to));
             let sets = ["image.early_termination=0"];
-            let (error, met) = worst(&stage, &sets, &backend, (DVec3::splat(-0.5), high), truth);
+            let drawn = render(&stage, &sets, &backend, [48, 40]);
+            let (error, met) = worst(&drawn, (DVec3::splat(-0.5), high), truth);
             assert!(error < 1e-4 && met > 20, "{backend} {dims:?}: {error} over {met} pixels");
         }
     }

@@ -6,8 +6,9 @@
 
 #![expect(clippy::unwrap_used, reason = "a harness fails by panicking")]
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use glam::DVec3;
 use volgraph::{Findings, Overrides, ParamOverride, Picture, Scene, Session, SessionOptions, View};
@@ -122,8 +123,17 @@ pub fn open(graph: &Path, sets: &[&str], backend: &str, size: [u32; 2]) -> Resul
         volgraph::registry(),
         &volgraph::NoProgress,
     )?;
-    let gpu = Arc::new(Gpu::open(&options.adapter)?);
-    Session::start(scene, gpu, &options)
+    Session::start(scene, gpu(backend), &options)
+}
+
+/// The device of a backend, opened once.
+fn gpu(backend: &str) -> Arc<Gpu> {
+    static OPEN: Mutex<BTreeMap<String, Arc<Gpu>>> = Mutex::new(BTreeMap::new());
+    let mut open = OPEN.lock().unwrap_or_else(PoisonError::into_inner);
+    let gpu = open.entry(backend.to_owned()).or_insert_with(|| {
+        Arc::new(Gpu::open(&AdapterChoice::new(Some(backend))).unwrap_or_else(|error| panic!("{error}")))
+    });
+    Arc::clone(gpu)
 }
 
 /// Renders the graph file of a stage once.

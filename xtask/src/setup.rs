@@ -141,22 +141,22 @@ pub fn compiler(steps: &mut Steps, may_install: bool) -> Result<(), Failure> {
 /// # Errors
 /// Where there is none and none could be installed.
 pub fn adapter(steps: &mut Steps, may_install: bool, volgraph: &Path) -> Result<(), Failure> {
-    let adapters =
-        || adapters(&output_of(Command::new(volgraph).arg("adapters")).unwrap_or_default());
-    if adapters().is_empty() {
-        meet(steps, Need::Adapter, may_install, || !adapters().is_empty())?;
+    let ask = |args: &[&str]| output_of(Command::new(volgraph).arg("adapters").args(args));
+    let has_adapter = || lists_adapter(&ask(&["--json"]).unwrap_or_default());
+    if !has_adapter() {
+        meet(steps, Need::Adapter, may_install, has_adapter)?;
     }
-    tell(&format!("xtask: adapters: {}", adapters().join("; ")));
+    let list = ask(&[]).unwrap_or_default();
+    tell(&format!(
+        "xtask: adapters: {}",
+        list.trim().replace('\n', "; ")
+    ));
     Ok(())
 }
 
-/// The adapters that `volgraph adapters` lists, one a line.
-fn adapters(listed: &str) -> Vec<String> {
-    listed
-        .lines()
-        .map(|line| line.trim().to_owned())
-        .filter(|line| !line.is_empty())
-        .collect()
+/// Whether the JSON of `volgraph adapters --json`, a list, has an entry: each has a backend.
+fn lists_adapter(json: &str) -> bool {
+    json.contains("\"backend\":")
 }
 
 fn meet(
@@ -327,11 +327,11 @@ mod tests {
     }
 
     #[test]
-    fn adapters_are_the_lines_that_say_something() {
-        assert_eq!(
-            adapters("llvmpipe [vulkan, software]\n\n  Card [gl]\n"),
-            ["llvmpipe [vulkan, software]", "Card [gl]"]
-        );
-        assert!(adapters(" \n").is_empty());
+    fn an_empty_list_or_a_failure_is_no_adapter() {
+        let one = r#"[ { "name": "llvmpipe", "backend": "vulkan", "class": "software" } ]"#;
+        assert!(lists_adapter(one));
+        for none in ["[]\n", "", r#"[{"name": "\"backend\":"}]"#] {
+            assert!(!lists_adapter(none), "{none}");
+        }
     }
 }

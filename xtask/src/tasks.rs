@@ -8,6 +8,10 @@ use crate::fuzz;
 use crate::setup;
 use crate::steps::{Failure, Steps, cargo, root, succeeds, tell, volgraph};
 
+/// What makes volgraph. The whole workspace, so that features of dependencies are those of the tests' build, which
+/// then finds all of them compiled.
+const BUILD: &[&str] = &["build", "--workspace"];
+
 /// Runs a task.
 ///
 /// # Errors
@@ -19,9 +23,7 @@ pub fn run(task: Task) -> Result<(), Failure> {
             tell(USAGE);
             Ok(())
         }
-        Task::Setup { may_install } => {
-            set_up(&mut steps, may_install, &["build", "--package", "volgraph"])
-        }
+        Task::Setup { may_install } => set_up(&mut steps, may_install, BUILD),
         Task::Render { may_install, args } => render(&mut steps, may_install, &args),
         Task::Test { may_install, args } => test(&mut steps, may_install, &args),
         Task::Check { may_install } => {
@@ -46,10 +48,10 @@ fn set_up(steps: &mut Steps, may_install: bool, build: &[&str]) -> Result<(), Fa
     setup::adapter(steps, may_install, &volgraph)
 }
 
-/// The development profile is enough: its dependencies are optimised in full, shaders run where they always run,
-/// and the tests share the build.
+/// The development profile is enough: dependencies are optimised in full there, so that a frame takes as long as in
+/// a release build, and the tests share the build.
 fn render(steps: &mut Steps, may_install: bool, args: &[String]) -> Result<(), Failure> {
-    set_up(steps, may_install, &["build", "--package", "volgraph"])?;
+    set_up(steps, may_install, BUILD)?;
     let volgraph = volgraph().ok_or_else(|| Failure::new("error: there is no volgraph to run"))?;
     // In the user's folder: the arguments are paths from there.
     let mut command = Command::new(volgraph);

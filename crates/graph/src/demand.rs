@@ -231,7 +231,8 @@ fn fulfil(
             let finding = at(Finding::error(
                 "missing-input",
                 format!("node `{}` needs its input `{mine}`: its shader uses `{port}`, which is made of it", by.name),
-            ));
+            )
+            .help(format!("connect `{mine}`, or choose slots that do without it")));
             return Err(match used_at {
                 Some(binding) => finding.related(binding.place, "used binding"),
                 None => finding,

@@ -66,14 +66,10 @@ impl Encoding {
         Self { format, scale, offset, error, range: (lo, hi) }
     }
 
-    /// All voxels as texels, x fastest. Voxels that are not numbers become the smallest value, infinite ones the
-    /// nearest finite one.
+    /// All voxels as texels, x fastest; what is not finite as [`Volume::drawn`] says.
     #[must_use]
     pub fn encode(&self, volume: &Volume) -> Vec<u8> {
-        let texel = |scalar: f64| {
-            let finite = if scalar.is_nan() { self.range.0 } else { scalar.clamp(self.range.0, self.range.1) };
-            (finite - self.offset) / self.scale
-        };
+        let texel = |scalar: f64| (volume.drawn(scalar) - self.offset) / self.scale;
         let voxels = volume.voxels();
         match self.format {
             TextureFormat::R8Unorm => match voxels {

@@ -172,9 +172,20 @@ impl Volume {
         self.voxels.get((z * ny + y) * nx + x)
     }
 
-    /// The field at a point of index space, trilinear in float64; outside the voxel centres it is clamped (so
-    /// the outer half voxel is constant across the face). A not-a-number voxel counts as 0; a voxel of weight 0
-    /// counts nothing, even if it is infinite. A coordinate that is not a number gives not-a-number.
+    /// What is drawn for a voxel's value: itself where it is finite; the smallest finite value for one that is not
+    /// a number, the nearest finite one for an infinite one; 0 where no voxel is finite.
+    #[must_use]
+    pub fn drawn(&self, value: f64) -> f64 {
+        if value.is_finite() {
+            return value;
+        }
+        let (min, max) = self.statistics().range().unwrap_or((0.0, 0.0));
+        if value == f64::INFINITY { max } else { min }
+    }
+
+    /// The field at a point of index space, trilinear in float64 over what is [drawn](Self::drawn); outside the voxel
+    /// centres it is clamped (so the outer half voxel is constant across the face). A coordinate that is not a
+    /// number gives not-a-number.
     #[must_use]
     pub fn trilinear(&self, index: DVec3) -> f64 {
         let last = UVec3::from_array(self.grid.dims) - 1;
@@ -199,10 +210,7 @@ impl Volume {
             let (y, wy) = pick(2, low.y, high.y, t.y);
             let (z, wz) = pick(4, low.z, high.z, t.z);
             let weight = wx * wy * wz;
-            let value = self.voxel([x, y, z]);
-            if weight != 0.0 && !value.is_nan() {
-                sum += weight * value;
-            }
+            sum += weight * self.drawn(self.voxel([x, y, z]));
         }
         sum
     }
@@ -274,7 +282,7 @@ mod tests {
     }
 
     #[test]
-    fn one_voxel_is_a_volume_and_not_a_number_counts_as_zero() {
+    fn one_voxel_is_a_volume_and_what_is_not_finite_is_drawn_as_the_nearest() {
         assert_eq!(
             volume([1, 1, 1], vec![7.0]).trilinear(DVec3::splat(0.3)),
             7.0
@@ -283,11 +291,13 @@ mod tests {
             volume([3, 1, 1], vec![1.0, 2.0, 4.0]).trilinear(DVec3::new(1.5, 0.2, 0.0)),
             3.0
         );
-        let holes = volume([2, 1, 1], vec![f64::NAN, 8.0]);
-        assert_eq!(holes.trilinear(DVec3::new(0.25, 0.0, 0.0)), 2.0);
-        let hot = volume([2, 1, 1], vec![f64::INFINITY, 8.0]);
-        assert_eq!(hot.trilinear(DVec3::new(1.0, 0.0, 0.0)), 8.0);
-        assert_eq!(hot.voxel([9, 9, 9]), 8.0);
+        let holes = volume([3, 1, 1], vec![f64::NAN, 8.0, -4.0]);
+        assert_eq!(holes.trilinear(DVec3::new(0.25, 0.0, 0.0)), -1.0);
+        let hot = volume([3, 1, 1], vec![f64::INFINITY, 8.0, f64::NEG_INFINITY]);
+        assert_eq!(hot.trilinear(DVec3::new(0.5, 0.0, 0.0)), 8.0);
+        assert_eq!(hot.voxel([9, 9, 9]), f64::NEG_INFINITY);
+        let nothing = volume([2, 1, 1], vec![f64::NAN, f64::NAN]);
+        assert_eq!(nothing.trilinear(DVec3::splat(0.5)), 0.0);
     }
 
     #[test]

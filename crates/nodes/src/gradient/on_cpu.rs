@@ -97,8 +97,7 @@ fn gradients(volume: &Volume, method: Method, storage: Storage) -> Vec<u8> {
     let voxels = volume.voxels();
     let scalar = |index: IVec3| {
         let at = index.clamp(IVec3::ZERO, dims - 1).as_usizevec3();
-        let value = voxels.get((at.z * ny + at.y) * nx + at.x);
-        if value.is_nan() { low } else { value.clamp(low, high) }
+        volume.drawn(voxels.get((at.z * ny + at.y) * nx + at.x))
     };
     (0..voxels.len())
         .into_par_iter()

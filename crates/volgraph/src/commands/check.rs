@@ -70,6 +70,8 @@ fn files(paths: &[PathBuf], findings: &mut Findings) -> Vec<PathBuf> {
             Err(error) => findings.push(unreadable(path, &error)),
         }
     }
+    // As the linker names them: `a.wgsl`, not `./a.wgsl`.
+    let mut files: Vec<PathBuf> = files.iter().map(|path| path.strip_prefix(".").unwrap_or(path).to_path_buf()).collect();
     files.sort();
     let mut seen = HashSet::new();
     files.retain(|path| seen.insert(fs::canonicalize(path).unwrap_or_else(|_| path.clone())));
@@ -135,11 +137,13 @@ fn read(path: &Path) -> Result<String, Finding> {
     fs::read_to_string(path).map_err(|error| unreadable(path, &error))
 }
 
-/// A library's fault is found again with each file that imports it.
+/// A library's fault is found again with each file that imports it, in words that differ by the folders searched.
 fn each_once(findings: Findings) -> Findings {
     let mut seen = HashSet::new();
-    findings
-        .into_iter()
-        .filter(|finding| seen.insert((finding.code, finding.message.clone(), finding.place.clone())))
-        .collect()
+    let mut is_new = |finding: &Finding| {
+        let is_exact = finding.place.as_ref().is_some_and(|place| place.line > 0);
+        let message = if is_exact { String::new() } else { finding.message.clone() };
+        seen.insert((finding.code, message, finding.place.clone()))
+    };
+    findings.into_iter().filter(|finding| is_new(finding)).collect()
 }

@@ -1,6 +1,9 @@
 //! `volgraph info`: a volume's dimensions, placement and statistics.
 
 use std::fmt::Write;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -33,11 +36,23 @@ pub fn run(args: &InfoArgs) -> anyhow::Result<ExitCode> {
     bars.clear();
     let volume = loaded.map_err(|error| Findings::from(Finding::from(error)))?;
     if args.json {
-        output::print_json(&to_json(&volume));
+        output::print_json(&to_json(&volume, format(&args.volume)));
     } else {
-        output::print(&text(&volume));
+        output::print(&format!("format       {}\n{}", format(&args.volume), text(&volume)));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The format of a file that could be read as a volume.
+fn format(path: &Path) -> &'static str {
+    let mut head = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(512).read_to_end(&mut head));
+    let head = String::from_utf8_lossy(&head);
+    match read {
+        Ok(_) if head.starts_with("NRRD") => "NRRD",
+        Ok(_) if head.contains("ObjectType") || head.contains("NDims") => "MetaImage",
+        _ => "raw",
+    }
 }
 
 /// Unit world directions of the index axes, as columns.
@@ -142,7 +157,7 @@ fn histogram(volume: &Volume) -> String {
     out
 }
 
-fn to_json(volume: &Volume) -> Value {
+fn to_json(volume: &Volume, format: &str) -> Value {
     let grid = volume.grid();
     let statistics = volume.statistics();
     let directions = directions(grid);
@@ -150,6 +165,7 @@ fn to_json(volume: &Volume) -> Value {
         PERCENTILES.iter().map(|&p| (p.to_string(), json!(statistics.percentile(p)))).collect();
     json!({
         "name": volume.name(),
+        "format": format,
         "files": volume.source_files(),
         "dims": grid.dims,
         "type": volume.voxels().scalar_type().name(),

@@ -113,12 +113,12 @@ impl Shaders {
         match check_file(&self.roots, path, &self.defaults, Capabilities::default()) {
             Ok(module) => {
                 let own = module.linked.files.last();
-                let doc = own.and_then(|file| file.text.lines().next()).unwrap_or_default();
+                let doc = own.map(|file| first_sentence(&file.text)).unwrap_or_default();
                 let is_own =
                     |spec: &&ParamSpec| spec.place.as_ref().map(|p| &p.file) == own.map(|file| &file.path);
                 json!({
                     "path": own.map(|file| &file.path),
-                    "doc": doc.trim_start_matches('/').trim(),
+                    "doc": doc,
                     "params": module.params().iter().filter(is_own).map(param).collect::<Vec<_>>(),
                 })
             }
@@ -128,6 +128,16 @@ impl Shaders {
                 "params": [],
             }),
         }
+    }
+}
+
+/// The first sentence of the comment at the start of a shader.
+fn first_sentence(text: &str) -> String {
+    let lines = text.lines().map_while(|line| line.trim().strip_prefix("//"));
+    let comment = lines.map(|line| line.trim_start_matches('/').trim()).collect::<Vec<_>>().join(" ");
+    match comment.split_once(". ") {
+        Some((sentence, _)) => format!("{sentence}."),
+        None => comment,
     }
 }
 

@@ -146,7 +146,7 @@ impl<'a> Tree<'a> {
         let unknown = finding
             .message
             .strip_prefix("no definition in scope for identifier: `")
-            .and_then(|rest| rest.strip_suffix('`'));
+            .and_then(|rest| rest.split('`').next());
         match (&finding.place, unknown) {
             (Some(place), Some(name)) if place.file != choice.place.file && self.others_declare(choice, name) => {
                 let message = format!("the slot `{}` asks for `{name}`, which is not declared here", choice.slot);
