@@ -8,12 +8,17 @@ use wgpu::{
     TextureFormat, TextureSampleType, TextureViewDimension,
 };
 
-/// The layout entry of a binding.
-pub(crate) fn layout_entry(binding: &Binding, visibility: ShaderStages) -> Result<BindGroupLayoutEntry, Finding> {
+/// The layout entry of a binding; `uniforms_as_storage` as in [`with_uniforms_as_storage`].
+pub(crate) fn layout_entry(
+    binding: &Binding,
+    visibility: ShaderStages,
+    uniforms_as_storage: bool,
+) -> Result<BindGroupLayoutEntry, Finding> {
     let unsupported = |what: String| {
         Finding::error("unsupported-binding", format!("binding `{}`: {what}", binding.name)).at(binding.place.clone())
     };
     let ty = match &binding.kind {
+        BindingKind::Uniform(_) if uniforms_as_storage => buffer(BufferBindingType::Storage { read_only: true }),
         BindingKind::Uniform(_) => buffer(BufferBindingType::Uniform),
         BindingKind::StorageBuffer { read_only, .. } => {
             buffer(BufferBindingType::Storage { read_only: *read_only })
@@ -61,6 +66,19 @@ fn dimension(dim: TextureDim) -> TextureViewDimension {
         TextureDim::Cube => TextureViewDimension::Cube,
         TextureDim::CubeArray => TextureViewDimension::CubeArray,
     }
+}
+
+/// The module with every uniform read as a storage buffer instead; the layout of uniforms holds there as well.
+///
+/// For lavapipe: it compiles values of uniforms into compute shaders anew, and up to Mesa 22.3 that crashes the whole
+/// process for some conditions that depend on uniforms. It leaves storage buffers alone.
+pub(crate) fn with_uniforms_as_storage(mut module: naga::Module) -> naga::Module {
+    for (_, variable) in module.global_variables.iter_mut() {
+        if variable.space == naga::AddressSpace::Uniform {
+            variable.space = naga::AddressSpace::Storage { access: StorageAccess::LOAD };
+        }
+    }
+    module
 }
 
 /// The wgpu format of a storage texture; `None` for one that no node kind can write.

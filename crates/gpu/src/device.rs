@@ -95,6 +95,11 @@ impl Gpu {
         capabilities
     }
 
+    /// Whether compute shaders must not have uniforms (see [`crate::bindings::with_uniforms_as_storage`]).
+    pub(crate) fn uniforms_as_storage(&self) -> bool {
+        self.summary.backend == "vulkan" && self.summary.name.contains("llvmpipe")
+    }
+
     /// Whether command encoders can write timestamps.
     #[must_use]
     pub(crate) fn has_timestamps(&self) -> bool {

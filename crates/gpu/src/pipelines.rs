@@ -15,7 +15,7 @@ use wgpu::{
     VertexBufferLayout, VertexFormat, VertexState, VertexStepMode,
 };
 
-use crate::bindings::layout_entry;
+use crate::bindings::{layout_entry, with_uniforms_as_storage};
 use crate::device::Gpu;
 use crate::error::GpuError;
 
@@ -47,7 +47,8 @@ pub(crate) const SCRATCH_FORMAT: TextureFormat = TextureFormat::R8Unorm;
 /// All pipelines built so far.
 #[derive(Debug, Default)]
 pub(crate) struct Pipelines {
-    modules: BTreeMap<Digest, Arc<ShaderModule>>,
+    /// By linked text, and whether uniforms are read as storage buffers.
+    modules: BTreeMap<(Digest, bool), Arc<ShaderModule>>,
     built: BTreeMap<PipelineKey, Arc<Pipeline>>,
 }
 
@@ -69,17 +70,20 @@ impl Pipelines {
             return Ok(Some(Arc::clone(pipeline)));
         }
         let what = format!("building `{}`", key.entries.join("` and `"));
-        let module = match self.modules.get(&key.module) {
+        let uniforms_as_storage = gpu.uniforms_as_storage() && matches!(pass, Pass::Compute { .. });
+        let module = match self.modules.get(&(key.module, uniforms_as_storage)) {
             Some(module) => Arc::clone(module),
             None => {
-                let source = ShaderSource::Naga(Cow::Owned(program.module.naga.clone()));
+                let naga = program.module.naga.clone();
+                let naga = if uniforms_as_storage { with_uniforms_as_storage(naga) } else { naga };
+                let source = ShaderSource::Naga(Cow::Owned(naga));
                 let descriptor = ShaderModuleDescriptor { label: Some(program.spec.root), source };
                 let module = gpu.scoped(&what, 0, || Arc::new(gpu.device.create_shader_module(descriptor)))?;
-                self.modules.insert(key.module, Arc::clone(&module));
+                self.modules.insert((key.module, uniforms_as_storage), Arc::clone(&module));
                 module
             }
         };
-        let groups = groups(gpu, program, &key, &what)?;
+        let groups = groups(gpu, program, &key, uniforms_as_storage, &what)?;
         let kind = gpu.scoped(&what, 0, || build(gpu, &module, &key, &groups))?;
         let pipeline = Arc::new(Pipeline { kind, groups });
         self.built.insert(key, Arc::clone(&pipeline));
@@ -105,6 +109,7 @@ fn groups(
     gpu: &Gpu,
     program: &Program,
     key: &PipelineKey,
+    uniforms_as_storage: bool,
     what: &str,
 ) -> Result<BTreeMap<u32, (BindGroupLayout, Vec<Binding>)>, GpuError> {
     let stages: &[ShaderStages] =
@@ -127,7 +132,7 @@ fn groups(
     let mut findings = Findings::new();
     let mut entries: BTreeMap<u32, (Vec<wgpu::BindGroupLayoutEntry>, Vec<Binding>)> = BTreeMap::new();
     for ((group, _), (binding, visibility)) in used {
-        if let Some(entry) = findings.take(layout_entry(&binding, visibility)) {
+        if let Some(entry) = findings.take(layout_entry(&binding, visibility, uniforms_as_storage)) {
             let (layout, bindings) = entries.entry(group).or_default();
             layout.push(entry);
             bindings.push(binding);

@@ -304,7 +304,7 @@ impl Runner {
         let buffer = self.gpu.device.create_buffer(&BufferDescriptor {
             label: Some("uniform"),
             size: (bytes.len() as u64).next_multiple_of(16),
-            usage: BufferUsages::UNIFORM | BufferUsages::COPY_DST,
+            usage: BufferUsages::UNIFORM | BufferUsages::STORAGE | BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
         self.gpu.queue.write_buffer(&buffer, 0, bytes);

@@ -117,9 +117,9 @@ const PLANTED: [Planted; 13] = [
         what: "validation",
         file: "shaders/slot/technique/dvr.wgsl",
         find: "",
-        with: "\nfn technique_wrong(x: f32) -> bool {\n    return x;\n}\n",
+        with: "\nfn technique_wrong(x: f32) -> bool {\n    return x * 2.0;\n}\n",
         code: "wgsl-validation",
-        needle: "return x;",
+        needle: "x * 2.0;",
     },
 ];
 
