@@ -1,5 +1,7 @@
 // The volume: its placement, its box, and how texels become scalars in data units.
 #import "lib/ray.wgsl"
+#import "lib/volume_texture.wgsl"
+#import slot "volume_filter"
 
 struct Volume {
     // Texture coordinates (0..1 over whole voxels) from world positions.
@@ -26,9 +28,6 @@ struct Volume {
 }
 
 @group(1) @binding(0) var<uniform> volume: Volume;
-@group(1) @binding(1) var volume_texture: texture_3d<f32>;
-@group(1) @binding(2) var linear_sampler: sampler;
-@group(1) @binding(3) var nearest_sampler: sampler;
 
 // Clips a ray to the volume's box (the slab method); far <= near where it misses.
 fn volume_clip_ray(given: Ray) -> Ray {
@@ -49,8 +48,7 @@ fn volume_clip_ray(given: Ray) -> Ray {
 
 // Trilinear scalar in data units.
 fn volume_linear(position: vec3f) -> f32 {
-    let texel = textureSampleLevel(volume_texture, linear_sampler, position, 0.0).x;
-    return texel * volume.value_scale + volume.value_offset;
+    return volume_filter(position) * volume.value_scale + volume.value_offset;
 }
 
 // Scalar of the nearest voxel in data units.

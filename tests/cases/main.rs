@@ -3,3 +3,4 @@
 mod agreement;
 mod closed_forms;
 mod memory_of_work;
+mod plans;

@@ -2,7 +2,7 @@
 //!
 //! `scalar = texel · scale + offset`. Whole numbers that span at most 4096 are exact in half floats, which are
 //! filtered in float on every adapter; 8-bit formats are filtered with 8-bit weights by software drivers. Wider
-//! ranges take single floats where those can be filtered.
+//! ranges take single floats; where the device cannot filter those, shaders do it from loads.
 
 use half::f16;
 use rayon::prelude::*;
@@ -28,7 +28,7 @@ pub struct Encoding {
 impl Encoding {
     /// The encoding for a storage choice: `auto`, `r8unorm`, `r16float` or `r32float`.
     #[must_use]
-    pub fn choose(volume: &Volume, storage: &str, limits: &Limits) -> Self {
+    pub fn choose(volume: &Volume, storage: &str) -> Self {
         let (lo, hi) = volume.statistics().range().unwrap_or((0.0, 0.0));
         let span = hi - lo;
         let is_whole = !volume.voxels().scalar_type().is_float();
@@ -37,7 +37,7 @@ impl Encoding {
             "r8unorm" => TextureFormat::R8Unorm,
             "r16float" => TextureFormat::R16Float,
             "r32float" => TextureFormat::R32Float,
-            _ if half_is_exact || !limits.float32_filterable => TextureFormat::R16Float,
+            _ if half_is_exact => TextureFormat::R16Float,
             _ => TextureFormat::R32Float,
         };
         let unit_span = if span > 0.0 { span } else { 1.0 };
@@ -64,6 +64,12 @@ impl Encoding {
             },
         };
         Self { format, scale, offset, error, range: (lo, hi) }
+    }
+
+    /// The choice of the slot `volume_filter` that can read it: the device's filter, or loads where it has none.
+    #[must_use]
+    pub fn filter(&self, limits: &Limits) -> &'static str {
+        if self.format == TextureFormat::R32Float && !limits.float32_filterable { "loads" } else { "hardware" }
     }
 
     /// All voxels as texels, x fastest; what is not finite as [`Volume::drawn`] says.
@@ -120,7 +126,6 @@ mod tests {
 
     #[test]
     fn stored_scalars_come_back_within_the_stated_error() {
-        let filterable = Limits { float32_filterable: true, ..Limits::default() };
         let volumes = [
             Voxels::U8((0..=255).collect()),
             Voxels::I16((-1024..=3071).collect()),
@@ -132,15 +137,13 @@ mod tests {
         ];
         for voxels in volumes {
             let volume = volume(voxels);
-            for limits in [filterable, Limits::default()] {
-                for storage in ["auto", "r8unorm", "r16float", "r32float"] {
-                    let encoding = Encoding::choose(&volume, storage, &limits);
-                    let bytes = encoding.encode(&volume);
-                    for (at, value) in decoded(&encoding, &bytes).into_iter().enumerate() {
-                        let truth = volume.voxels().get(at);
-                        let allowed = encoding.error * 1.001 + 1e-12 * truth.abs();
-                        assert!((value - truth).abs() <= allowed, "{storage} {encoding:?}: {value} for {truth}");
-                    }
+            for storage in ["auto", "r8unorm", "r16float", "r32float"] {
+                let encoding = Encoding::choose(&volume, storage);
+                let bytes = encoding.encode(&volume);
+                for (at, value) in decoded(&encoding, &bytes).into_iter().enumerate() {
+                    let truth = volume.voxels().get(at);
+                    let allowed = encoding.error * 1.001 + 1e-12 * truth.abs();
+                    assert!((value - truth).abs() <= allowed, "{storage} {encoding:?}: {value} for {truth}");
                 }
             }
         }
@@ -149,17 +152,19 @@ mod tests {
     #[test]
     fn bytes_and_ct_are_exact_in_half_floats() {
         let ct = volume(Voxels::I16((-1024..=3071).collect()));
-        let encoding = Encoding::choose(&ct, "auto", &Limits::default());
+        let encoding = Encoding::choose(&ct, "auto");
         assert_eq!((encoding.format, encoding.error), (TextureFormat::R16Float, 0.0));
         let wide = volume(Voxels::U16(vec![0, 65535]));
-        assert!(Encoding::choose(&wide, "auto", &Limits::default()).error > 0.0);
+        let encoding = Encoding::choose(&wide, "auto");
+        assert_eq!((encoding.format, encoding.error), (TextureFormat::R32Float, 0.0));
+        assert_eq!(encoding.filter(&Limits::default()), "loads");
+        assert!(Encoding::choose(&wide, "r16float").error > 0.0);
     }
 
     #[test]
     fn what_is_not_a_number_becomes_the_smallest_value() {
         let volume = volume(Voxels::F32(vec![f32::NAN, -2.0, 5.0, f32::INFINITY, f32::NEG_INFINITY]));
-        let limits = Limits { float32_filterable: true, ..Limits::default() };
-        let encoding = Encoding::choose(&volume, "auto", &limits);
+        let encoding = Encoding::choose(&volume, "auto");
         assert_eq!(decoded(&encoding, &encoding.encode(&volume)), [-2.0, -2.0, 5.0, 5.0, -2.0]);
     }
 }

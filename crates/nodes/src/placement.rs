@@ -24,8 +24,16 @@ pub fn volume<'g>(node: &NodeContext<'g>, port: &str) -> Result<&'g Volume, Find
 /// # Errors
 /// `missing-input` where there is no volume.
 pub fn encoding(node: &NodeContext<'_>) -> Result<Encoding, Finding> {
-    let storage = node.writer("volume_texture").map_or("auto", |writer| writer.text("volume_storage"));
-    Ok(Encoding::choose(volume(node, "volume")?, storage, node.limits()))
+    // Before the demand phase there is no writer yet; it will get this node's own storage parameter.
+    let storage = node.writer("volume_texture").map_or(node.text("volume_storage"), |writer| writer.text("volume_storage"));
+    Ok(Encoding::choose(volume(node, "volume")?, storage))
+}
+
+/// The slot that decides how texels are filtered, for programs that import `lib/volume.wgsl`: (slot, choice).
+#[must_use]
+pub fn filter_slot(node: &NodeContext<'_>) -> (String, String) {
+    let choice = encoding(node).map_or("hardware", |encoding| encoding.filter(node.limits()));
+    ("volume_filter".to_owned(), choice.to_owned())
 }
 
 /// The members of the uniform `volume` (see `lib/volume.wgsl`), for a node with the inputs `volume` and

@@ -159,7 +159,7 @@ impl NodeKind for Raycast {
         let behind = if node.is_connected("behind") { "texture" } else { "none" };
         Some(ProgramSpec {
             root: "node/raycast.wgsl",
-            fixed_slots: BTreeMap::from([("behind".to_owned(), behind.to_owned())]),
+            fixed_slots: BTreeMap::from([("behind".to_owned(), behind.to_owned()), placement::filter_slot(node)]),
             entries,
         })
     }

@@ -32,7 +32,7 @@ pub fn storage_param() -> ParamSpec {
         "volume_storage",
         &["auto", "r8unorm", "r16float", "r32float"],
         "auto",
-        "How scalars are stored: auto takes half floats where they are exact, else floats where they can be filtered.",
+        "How scalars are stored: auto takes half floats where they are exact, else floats.",
     )
 }
 
@@ -59,17 +59,12 @@ impl NodeKind for VolumeTexture {
 
     fn output(&self, _port: &str, node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
         let volume = volume(node, "volume")?;
-        let format = Encoding::choose(volume, node.text("volume_storage"), node.limits()).format;
-        if format == wgpu_types::TextureFormat::R32Float && !node.limits().float32_filterable {
-            return Err(node
-                .error("over-limit", "this device cannot filter r32float textures (feature float32-filterable)")
-                .help("set `volume_storage` to `auto` or `r16float`"));
-        }
+        let format = Encoding::choose(volume, node.text("volume_storage")).format;
         Ok(ResourceDesc::Texture { dimensions: 3, size: Size::Absolute(volume.grid().dims), format })
     }
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
-        let encoding = Encoding::choose(volume(node, "volume")?, node.text("volume_storage"), node.limits());
+        let encoding = Encoding::choose(volume(node, "volume")?, node.text("volume_storage"));
         let volume = node.source::<VolumeSource>("volume").map(|source| Arc::clone(&source.volume));
         let bytes = UploadBytes::new(move || {
             Ok(volume.as_ref().map(|volume| encoding.encode(volume)).unwrap_or_default())

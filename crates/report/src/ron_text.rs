@@ -196,7 +196,7 @@ impl<'s> Value<'s> {
         let entries = self.read("named fields in parentheses", |de| {
             de.deserialize_struct("", &[], visitor)
         })?;
-        Ok(self.named(entries)?)
+        self.named(entries)
     }
 
     /// The entries of a map `{"name": value, …}`, in their order. A key given twice is an error.
@@ -206,7 +206,7 @@ impl<'s> Value<'s> {
     pub fn entries(&self) -> Result<Vec<Entry<'s>>, Findings> {
         let visitor = EntriesVisitor(self.doc, NameKind::Quoted);
         let entries = self.read("a map in braces", |de| de.deserialize_map(visitor))?;
-        Ok(self.named(entries)?)
+        self.named(entries)
     }
 
     /// A name with fields, such as `orbit(azimuth: 40)`; a bare name has none.

@@ -28,7 +28,8 @@ pub struct LoadOptions {
     pub scalar_type: Option<ScalarType>,
     /// The voxels of a raw file are big-endian; the headers of other formats say so themselves.
     pub big_endian: bool,
-    /// Spacing instead of the file's (positive); its directions stay.
+    /// Spacing instead of the file's, along its directions; a negative length turns its axis around, for files that
+    /// store their slices the other way.
     pub spacing: Option<DVec3>,
     /// Centre of the first voxel instead of the file's.
     pub origin: Option<DVec3>,
@@ -100,11 +101,11 @@ impl LoadOptions {
     pub(crate) fn place(&self, mut grid: Grid) -> Result<Grid, VolumeError> {
         if let Some(spacing) = self
             .spacing
-            .filter(|s| !(s.is_finite() && s.min_element() > 0.0))
+            .filter(|s| !(s.is_finite() && s.abs().min_element() > 0.0))
         {
             return Err(VolumeError::Option(Trouble::new(
                 format!("the options ask for a spacing of {spacing}"),
-                "give three positive lengths",
+                "give three lengths other than 0; a negative one turns its axis around",
             )));
         }
         grid.check()?;

@@ -42,7 +42,7 @@ impl SourceKind for VolumeKind {
             ParamSpec::vector("dims", &[0.0; 3], "Voxels along x, y, z of a raw file whose name does not say."),
             ParamSpec::text("type", "", "Scalar type of a raw file whose name does not say, such as uint8."),
             ParamSpec::bool("big_endian", false, "A raw file has its highest byte first."),
-            ParamSpec::vector("spacing", &[0.0; 3], "Distances between voxels in world units, instead of the file's."),
+            ParamSpec::vector("spacing", &[0.0; 3], "Distances between voxels in world units, instead of the file's; a negative one turns its axis around."),
             ParamSpec::vector("origin", &[0.0; 3], "World position of the first voxel's centre, instead of the file's."),
             ParamSpec::bool("node_centred", false, "The box spans voxel centre to voxel centre."),
             ParamSpec::int("component", 0, "Which of several values per voxel.").range(0.0, 65535.0),
@@ -57,6 +57,11 @@ impl SourceKind for VolumeKind {
     ) -> Result<Arc<dyn Source>, Findings> {
         let given = Given(params);
         let path = given.path("path", folders)?;
+        if !path.exists() {
+            return Err(Finding::error("data-missing", format!("the volume file {} is not there", path.display()))
+                .help("name the folder that has it with `--data FOLDER` or in VOLGRAPH_DATA, or the file with `--volume`")
+                .into());
+        }
         let scalar_type = match given.text("type").filter(|name| !name.is_empty()) {
             None => None,
             Some(name) => Some(ScalarType::parse(name).ok_or_else(|| {

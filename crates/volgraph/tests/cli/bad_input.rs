@@ -87,7 +87,7 @@ fn volumes() -> Vec<Bad> {
             "no such volume",
             vec![("g.ron", graph("volume(path: \"no_2x2x2_uint8.raw\")").into_bytes())],
             &PLAN,
-            "volume-unreadable",
+            "data-missing",
             "no_2x2x2_uint8.raw",
         ),
         bad("a folder as a volume", vec![("g.ron", graph("volume(path: \".\")").into_bytes())], &PLAN, "volume-unreadable", "g.ron:3"),

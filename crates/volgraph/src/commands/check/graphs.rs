@@ -82,7 +82,7 @@ impl Checker<'_> {
             Err(found) => {
                 // Whatever else is wrong with the source is found before its file is looked for.
                 let missing = missing_volume(desc, folders)
-                    .filter(|_| (&found).into_iter().all(|finding| finding.code == "volume-unreadable"));
+                    .filter(|_| (&found).into_iter().all(|finding| finding.code == "data-missing"));
                 let stand_in = missing.and_then(|file| Some((file, stand_in(name)?)));
                 let Some(((path, file), stand_in)) = stand_in else {
                     findings.extend(found);
