@@ -28,20 +28,34 @@ fn fragment_and_compute_agree_on_every_ready_graph() {
                 (Ok((fragment, _)), Ok((compute, _))) => (fragment, compute),
                 (Err(findings), _) | (_, Err(findings)) => {
                     // Only the absence of a volume that may not lie in the repository is no failure.
-                    let is_absent = findings.into_iter().all(|finding| finding.code == "data-missing");
-                    assert!(is_absent, "{} on {backend} cannot be rendered", graph.display());
+                    let is_absent = findings
+                        .into_iter()
+                        .all(|finding| finding.code == "data-missing");
+                    assert!(
+                        is_absent,
+                        "{} on {backend} cannot be rendered",
+                        graph.display()
+                    );
                     absent.push(graph.display().to_string());
                     continue;
                 }
             };
             let comparison = compare_without_flip(&fragment, &compute).unwrap();
-            assert!(comparison.max.error <= 1e-5, "{} on {backend}: {:?}", graph.display(), comparison.max);
+            assert!(
+                comparison.max.error <= 1e-5,
+                "{} on {backend}: {:?}",
+                graph.display(),
+                comparison.max
+            );
             compared += 1;
         }
     }
     absent.dedup();
     if !absent.is_empty() {
-        println!("not compared, for their volumes are not here (set VOLGRAPH_DATA): {}", absent.join(", "));
+        println!(
+            "not compared, for their volumes are not here (set VOLGRAPH_DATA): {}",
+            absent.join(", ")
+        );
     }
     assert!(compared >= 2, "no ready graph was compared");
 }

@@ -30,7 +30,8 @@ fn worst(
                 }
                 None => 0.0,
             };
-            worst = worst.max((f64::from(opacity[(y * picture.width + x) as usize]) - expected).abs());
+            worst =
+                worst.max((f64::from(opacity[(y * picture.width + x) as usize]) - expected).abs());
         }
     }
     (worst, met)
@@ -43,7 +44,10 @@ fn a_constant_volume_absorbs_by_its_length() {
         for slots in slots {
             let stage = Stage::new()
                 .with_floats("v", [8, 8, 8], |_, _, _| 0.5)
-                .with("transfer.ron", "(points: [(at: 0.5, color: (1, 0.5, 0.2), opacity: 0.1)])")
+                .with(
+                    "transfer.ron",
+                    "(points: [(at: 0.5, color: (1, 0.5, 0.2), opacity: 0.1)])",
+                )
                 .with(
                     "graph.ron",
                     graph(
@@ -59,13 +63,16 @@ fn a_constant_volume_absorbs_by_its_length() {
                 for form in STAGES {
                     let set = format!("image.stage={form}");
                     let span = (DVec3::splat(-0.5), DVec3::splat(7.5));
-                    let truth = |from: DVec3, to: DVec3| 1.0 - (-extinction * from.distance(to)).exp();
+                    let truth =
+                        |from: DVec3, to: DVec3| 1.0 - (-extinction * from.distance(to)).exp();
                     let drawn = render(&stage, &[&set], &backend, [48, 40]);
                     let (error, met) = worst(&drawn, span, truth);
                     assert!(error <= 1e-4, "{backend} {form} {camera} {slots}: {error}");
                     assert!(met > 100, "{camera} shows nothing");
                     // The check itself must see a volume that is a hundredth off.
-                    let off = |from: DVec3, to: DVec3| 1.0 - (-1.01 * extinction * from.distance(to)).exp();
+                    let off = |from: DVec3, to: DVec3| {
+                        1.0 - (-1.01 * extinction * from.distance(to)).exp()
+                    };
                     assert!(worst(&drawn, span, off).0 > 1e-4);
                 }
             }
@@ -80,7 +87,10 @@ fn a_linear_ramp_of_extinction_has_its_closed_form() {
     for slots in slots {
         let stage = Stage::new()
             .with_floats("v", [9, 7, 8], |x, _, _| x as f32 / 8.0)
-            .with("transfer.ron", "(domain: data, color: (1, 1, 1), extinction: [(0.0, 0.0), (1.0, 0.4)])")
+            .with(
+                "transfer.ron",
+                "(domain: data, color: (1, 1, 1), extinction: [(0.0, 0.0), (1.0, 0.4)])",
+            )
             .with(
                 "graph.ron",
                 graph(
@@ -111,10 +121,19 @@ fn a_linear_ramp_of_extinction_has_its_closed_form() {
 fn the_depth_is_where_half_of_the_light_is_gone() {
     let stage = Stage::new()
         .with_floats("v", [8, 8, 8], |_, _, _| 0.5)
-        .with("transfer.ron", "(points: [(at: 0.5, color: (1, 1, 1), opacity: 0.3)])")
+        .with(
+            "transfer.ron",
+            "(points: [(at: 0.5, color: (1, 1, 1), opacity: 0.3)])",
+        )
         .with(
             "graph.ron",
-            graph(r#"path: "v_8x8x8_float32.raw""#, CAMERAS[0], "{}", "{}", r#"{ "step": 0.7 }"#),
+            graph(
+                r#"path: "v_8x8x8_float32.raw""#,
+                CAMERAS[0],
+                "{}",
+                "{}",
+                r#"{ "step": 0.7 }"#,
+            ),
         );
     let half = 2.0_f64.ln() / -(0.7_f64.ln());
     for backend in adapters() {
@@ -123,9 +142,12 @@ fn the_depth_is_where_half_of_the_light_is_gone() {
         for y in 0..40 {
             for x in 0..40 {
                 let seen = f64::from(depth[(y * 40 + x) as usize]);
-                let interval = box_interval(ray(&view, x, y), DVec3::splat(-0.5), DVec3::splat(7.5));
+                let interval =
+                    box_interval(ray(&view, x, y), DVec3::splat(-0.5), DVec3::splat(7.5));
                 match interval.filter(|(near, far)| far - near > half + 1e-3) {
-                    Some((near, _)) => assert!((seen - near - half).abs() < 2e-3, "{backend} {seen} {near}"),
+                    Some((near, _)) => {
+                        assert!((seen - near - half).abs() < 2e-3, "{backend} {seen} {near}");
+                    }
                     None if interval.is_none_or(|(near, far)| far - near < half - 1e-3) => {
                         assert_eq!(seen, f64::INFINITY, "{backend} {x} {y} {interval:?}");
                     }
@@ -139,10 +161,17 @@ fn the_depth_is_where_half_of_the_light_is_gone() {
 #[test]
 fn a_volume_of_nothing_shows_the_background_as_it_is() {
     // The same function of the ray inside and outside of the box's outline: no seam, not even of one code.
-    for (camera, pattern) in [(CAMERAS[0], "checker"), (CAMERAS[1], "gradient"), (CAMERAS[2], "checker")] {
+    for (camera, pattern) in [
+        (CAMERAS[0], "checker"),
+        (CAMERAS[1], "gradient"),
+        (CAMERAS[2], "checker"),
+    ] {
         let stage = Stage::new()
             .with_floats("v", [8, 8, 8], |x, y, z| (x + y + z) as f32)
-            .with("transfer.ron", "(points: [(at: 0, color: (1, 0, 0), opacity: 0)])")
+            .with(
+                "transfer.ron",
+                "(points: [(at: 0, color: (1, 0, 0), opacity: 0)])",
+            )
             .with(
                 "graph.ron",
                 graph(
@@ -152,17 +181,28 @@ fn a_volume_of_nothing_shows_the_background_as_it_is() {
                     r#"{ "light": "phong" }"#,
                     "{}",
                 )
-                .replace(r#""color": "image.color""#, r#""color": "image.color", "alone": "background.color""#),
+                .replace(
+                    r#""color": "image.color""#,
+                    r#""color": "image.color", "alone": "background.color""#,
+                ),
             );
         for backend in adapters() {
             for form in STAGES {
                 let set = format!("image.stage={form}");
-                let mut session = stage.open("graph.ron", &[&set], &backend, [64, 48]).unwrap();
+                let mut session = stage
+                    .open("graph.ron", &[&set], &backend, [64, 48])
+                    .unwrap();
                 let (picture, _) = session.render().unwrap();
                 let alone = session.read("alone").unwrap();
                 let is_same = picture.color == alone.color;
-                assert!(is_same, "{backend} {form} {camera}: the background has a seam");
-                assert!(alone.color.iter().any(|pixel| pixel != &alone.color[0]), "the pattern is flat");
+                assert!(
+                    is_same,
+                    "{backend} {form} {camera}: the background has a seam"
+                );
+                assert!(
+                    alone.color.iter().any(|pixel| pixel != &alone.color[0]),
+                    "the pattern is flat"
+                );
             }
         }
     }
@@ -178,10 +218,25 @@ fn voxels_that_are_not_numbers_leave_the_picture_finite() {
     for backend in adapters() {
         let mut session = stage.open("graph.ron", &[], &backend, [32, 32]).unwrap();
         let (picture, _) = session.render().unwrap();
-        assert!(picture.color.iter().flatten().all(|value| value.is_finite()), "{backend}");
-        assert!(picture.color.iter().any(|pixel| pixel[1] > 0.1), "{backend}: what is a number is still drawn");
+        assert!(
+            picture
+                .color
+                .iter()
+                .flatten()
+                .all(|value| value.is_finite()),
+            "{backend}"
+        );
+        assert!(
+            picture.color.iter().any(|pixel| pixel[1] > 0.1),
+            "{backend}: what is a number is still drawn"
+        );
         let warnings = session.scene().warnings();
-        assert!(warnings.iter().any(|(_, warning)| warning.contains("not numbers")), "{warnings:?}");
+        assert!(
+            warnings
+                .iter()
+                .any(|(_, warning)| warning.contains("not numbers")),
+            "{warnings:?}"
+        );
     }
 }
 
@@ -191,15 +246,30 @@ fn one_voxel_thick_volumes_are_drawn() {
         let name = format!("v_{}x{}x{}_float32.raw", dims[0], dims[1], dims[2]);
         let stage = Stage::new()
             .with_floats("v", dims, |_, _, _| 0.5)
-            .with("transfer.ron", "(points: [(at: 0.5, color: (1, 1, 1), opacity: 0.5)])")
-            .with("graph.ron", graph(&format!(r#"path: "{name}""#), CAMERAS[0], "{}", r#"{ "light": "phong" }"#, "{}"));
+            .with(
+                "transfer.ron",
+                "(points: [(at: 0.5, color: (1, 1, 1), opacity: 0.5)])",
+            )
+            .with(
+                "graph.ron",
+                graph(
+                    &format!(r#"path: "{name}""#),
+                    CAMERAS[0],
+                    "{}",
+                    r#"{ "light": "phong" }"#,
+                    "{}",
+                ),
+            );
         let high = DVec3::from_array(dims.map(f64::from)) - 0.5;
         for backend in adapters() {
             let truth = |from: DVec3, to: DVec3| 1.0 - 0.5_f64.powf(from.distance(to));
             let sets = ["image.early_termination=0"];
             let drawn = render(&stage, &sets, &backend, [48, 40]);
             let (error, met) = worst(&drawn, (DVec3::splat(-0.5), high), truth);
-            assert!(error < 1e-4 && met > 20, "{backend} {dims:?}: {error} over {met} pixels");
+            assert!(
+                error < 1e-4 && met > 20,
+                "{backend} {dims:?}: {error} over {met} pixels"
+            );
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What did not change is not done again: counts of the nodes that run.
 
-use volgraph_graph::camera::Pose;
 use volgraph_graph::CameraDesc;
+use volgraph_graph::camera::Pose;
 use volgraph_tests::{Stage, adapters, graph};
 
 fn stage() -> Stage {
@@ -21,8 +21,17 @@ fn stage() -> Stage {
 }
 
 fn orbit(azimuth: f64) -> CameraDesc {
-    let pose = Pose::Orbit { azimuth, elevation: 10.0, roll: 0.0, distance: None, target: None };
-    CameraDesc { pose, ..CameraDesc::default() }
+    let pose = Pose::Orbit {
+        azimuth,
+        elevation: 10.0,
+        roll: 0.0,
+        distance: None,
+        target: None,
+    };
+    CameraDesc {
+        pose,
+        ..CameraDesc::default()
+    }
 }
 
 #[test]
@@ -33,7 +42,14 @@ fn a_moving_camera_runs_the_raycast_alone() {
         let first = session.draw().unwrap();
         assert_eq!(
             first.ran(),
-            ["background", "box", "image.volume_texture", "image.gradient", "image.preintegration", "image"]
+            [
+                "background",
+                "box",
+                "image.volume_texture",
+                "image.gradient",
+                "image.preintegration",
+                "image"
+            ]
         );
         assert!(session.draw().unwrap().ran().is_empty(), "nothing changed");
         let before = session.render().unwrap().0;
@@ -45,7 +61,10 @@ fn a_moving_camera_runs_the_raycast_alone() {
         assert!(moved.color != before.color, "the camera did move");
         session.set_camera(&orbit(10.0));
         let again = session.render().unwrap().0;
-        assert!(again.color == before.color, "the same view is the same picture");
+        assert!(
+            again.color == before.color,
+            "the same view is the same picture"
+        );
     }
 }
 
@@ -70,7 +89,11 @@ fn a_refused_size_leaves_the_session_as_it_was() {
         let mut session = stage.open("graph.ron", &[], &backend, [32, 32]).unwrap();
         let before = session.render().unwrap().0;
         let refused = session.set_size([1_000_000, 10]).unwrap_err();
-        assert!(refused.into_iter().all(|finding| finding.code == "over-limit"));
+        assert!(
+            refused
+                .into_iter()
+                .all(|finding| finding.code == "over-limit")
+        );
         assert!(session.draw().unwrap().ran().is_empty(), "{backend}");
         let after = session.render().unwrap().0;
         assert!(after.color == before.color);

@@ -17,7 +17,10 @@ use volgraph_gpu::{AdapterChoice, Gpu, list_adapters};
 /// The repository's root.
 #[must_use]
 pub fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_path_buf()
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .unwrap()
+        .to_path_buf()
 }
 
 /// The backends to test on: one adapter of each backend that this machine has.
@@ -28,7 +31,10 @@ pub fn root() -> PathBuf {
 pub fn adapters() -> Vec<String> {
     static BACKENDS: OnceLock<Vec<String>> = OnceLock::new();
     let backends = BACKENDS.get_or_init(|| {
-        let mut backends: Vec<String> = list_adapters().into_iter().map(|adapter| adapter.backend).collect();
+        let mut backends: Vec<String> = list_adapters()
+            .into_iter()
+            .map(|adapter| adapter.backend)
+            .collect();
         backends.dedup();
         backends
     });
@@ -57,7 +63,9 @@ impl Stage {
     /// An empty folder.
     #[must_use]
     pub fn new() -> Self {
-        Self { folder: tempfile::tempdir().unwrap() }
+        Self {
+            folder: tempfile::tempdir().unwrap(),
+        }
     }
 
     /// Its path.
@@ -77,7 +85,12 @@ impl Stage {
 
     /// Writes a raw float volume of which each voxel is `value(x, y, z)`; its name carries dimensions and type.
     #[must_use]
-    pub fn with_floats(self, name: &str, dims: [u32; 3], value: impl Fn(u32, u32, u32) -> f32) -> Self {
+    pub fn with_floats(
+        self,
+        name: &str,
+        dims: [u32; 3],
+        value: impl Fn(u32, u32, u32) -> f32,
+    ) -> Self {
         let mut bytes = Vec::new();
         for z in 0..dims[2] {
             for y in 0..dims[1] {
@@ -94,7 +107,13 @@ impl Stage {
     ///
     /// # Errors
     /// What is wrong with the scene.
-    pub fn open(&self, graph: &str, sets: &[&str], backend: &str, size: [u32; 2]) -> Result<Session, Findings> {
+    pub fn open(
+        &self,
+        graph: &str,
+        sets: &[&str],
+        backend: &str,
+        size: [u32; 2],
+    ) -> Result<Session, Findings> {
         open(&self.path().join(graph), sets, backend, size)
     }
 }
@@ -103,9 +122,17 @@ impl Stage {
 ///
 /// # Errors
 /// What is wrong with the scene.
-pub fn open(graph: &Path, sets: &[&str], backend: &str, size: [u32; 2]) -> Result<Session, Findings> {
+pub fn open(
+    graph: &Path,
+    sets: &[&str],
+    backend: &str,
+    size: [u32; 2],
+) -> Result<Session, Findings> {
     let overrides = Overrides {
-        params: sets.iter().map(|set| ParamOverride::parse(set).unwrap()).collect(),
+        params: sets
+            .iter()
+            .map(|set| ParamOverride::parse(set).unwrap())
+            .collect(),
         data: data_folders(),
         ..Overrides::default()
     };
@@ -131,7 +158,9 @@ fn gpu(backend: &str) -> Arc<Gpu> {
     static OPEN: Mutex<BTreeMap<String, Arc<Gpu>>> = Mutex::new(BTreeMap::new());
     let mut open = OPEN.lock().unwrap_or_else(PoisonError::into_inner);
     let gpu = open.entry(backend.to_owned()).or_insert_with(|| {
-        Arc::new(Gpu::open(&AdapterChoice::new(Some(backend))).unwrap_or_else(|error| panic!("{error}")))
+        Arc::new(
+            Gpu::open(&AdapterChoice::new(Some(backend))).unwrap_or_else(|error| panic!("{error}")),
+        )
     });
     Arc::clone(gpu)
 }
@@ -146,7 +175,9 @@ pub fn render(stage: &Stage, sets: &[&str], backend: &str, size: [u32; 2]) -> (P
         Ok(session) => session,
         Err(findings) => panic!("{backend}: {findings}"),
     };
-    let (picture, _) = session.render().unwrap_or_else(|findings| panic!("{backend}: {findings}"));
+    let (picture, _) = session
+        .render()
+        .unwrap_or_else(|findings| panic!("{backend}: {findings}"));
     (picture, *session.view())
 }
 
@@ -182,7 +213,11 @@ pub fn ray(view: &View, x: u32, y: u32) -> (DVec3, DVec3) {
 
 /// The distances at which a ray enters and leaves an axis-aligned box, in front of its origin; `None` where it misses.
 #[must_use]
-pub fn box_interval((origin, direction): (DVec3, DVec3), low: DVec3, high: DVec3) -> Option<(f64, f64)> {
+pub fn box_interval(
+    (origin, direction): (DVec3, DVec3),
+    low: DVec3,
+    high: DVec3,
+) -> Option<(f64, f64)> {
     let a = (low - origin) / direction;
     let b = (high - origin) / direction;
     let near = a.min(b).max_element().max(0.0);

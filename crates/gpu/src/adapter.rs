@@ -21,7 +21,11 @@ impl AdapterChoice {
 
     fn fits(&self, summary: &AdapterSummary) -> bool {
         let haystack = summary.to_string().to_lowercase();
-        self.0.as_deref().unwrap_or("").split_whitespace().all(|word| haystack.contains(&word.to_lowercase()))
+        self.0
+            .as_deref()
+            .unwrap_or("")
+            .split_whitespace()
+            .all(|word| haystack.contains(&word.to_lowercase()))
     }
 }
 
@@ -47,7 +51,11 @@ impl AdapterSummary {
             DeviceType::VirtualGpu => "virtual",
             DeviceType::Cpu => "software",
             // GL does not say; its software drivers do, by name.
-            DeviceType::Other if info.name.contains("llvmpipe") || info.name.contains("softpipe") => "software",
+            DeviceType::Other
+                if info.name.contains("llvmpipe") || info.name.contains("softpipe") =>
+            {
+                "software"
+            }
             DeviceType::Other => "other",
         };
         let backend = match info.backend {
@@ -79,18 +87,28 @@ impl AdapterSummary {
 
 impl fmt::Display for AdapterSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} [{}, {}] {}", self.name, self.backend, self.class, self.driver)
+        write!(
+            f,
+            "{} [{}, {}] {}",
+            self.name, self.backend, self.class, self.driver
+        )
     }
 }
 
 /// The backends in the order in which they are looked at. GL comes alone and last: opening it costs time and makes
 /// its libraries print warnings, so it is only opened where nothing before it fits.
-const TIERS: [Backends; 2] =
-    [Backends::VULKAN.union(Backends::METAL).union(Backends::DX12), Backends::GL];
+const TIERS: [Backends; 2] = [
+    Backends::VULKAN
+        .union(Backends::METAL)
+        .union(Backends::DX12),
+    Backends::GL,
+];
 
 fn ranked(backends: Backends) -> Vec<(AdapterSummary, Adapter)> {
-    let instance =
-        Instance::new(InstanceDescriptor { backends, ..InstanceDescriptor::new_without_display_handle() });
+    let instance = Instance::new(InstanceDescriptor {
+        backends,
+        ..InstanceDescriptor::new_without_display_handle()
+    });
     let mut adapters: Vec<_> = pollster::block_on(instance.enumerate_adapters(backends))
         .into_iter()
         .map(|adapter| (AdapterSummary::of(&adapter), adapter))
@@ -102,7 +120,11 @@ fn ranked(backends: Backends) -> Vec<(AdapterSummary, Adapter)> {
 /// All adapters, the best of each tier first: Vulkan, Metal and DX12, then GL.
 #[must_use]
 pub fn list_adapters() -> Vec<AdapterSummary> {
-    TIERS.into_iter().flat_map(ranked).map(|(summary, _)| summary).collect()
+    TIERS
+        .into_iter()
+        .flat_map(ranked)
+        .map(|(summary, _)| summary)
+        .collect()
 }
 
 pub(crate) fn choose(choice: &AdapterChoice) -> Result<(AdapterSummary, Adapter), GpuError> {
@@ -116,8 +138,15 @@ pub(crate) fn choose(choice: &AdapterChoice) -> Result<(AdapterSummary, Adapter)
         }
     }
     Err(GpuError::NoAdapter {
-        asked: choice.0.as_ref().map_or_else(String::new, |words| format!("fits `{words}`")),
-        found: if found.is_empty() { "none at all".to_owned() } else { found.join("; ") },
+        asked: choice
+            .0
+            .as_ref()
+            .map_or_else(String::new, |words| format!("fits `{words}`")),
+        found: if found.is_empty() {
+            "none at all".to_owned()
+        } else {
+            found.join("; ")
+        },
     })
 }
 
@@ -136,7 +165,10 @@ mod tests {
 
     #[test]
     fn real_gpus_come_before_software() {
-        let mut all = [summary("llvmpipe", "vulkan", "software"), summary("Card", "vulkan", "discrete")];
+        let mut all = [
+            summary("llvmpipe", "vulkan", "software"),
+            summary("Card", "vulkan", "discrete"),
+        ];
         all.sort_by_key(AdapterSummary::rank);
         assert_eq!(all[0].name, "Card");
     }

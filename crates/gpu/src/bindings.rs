@@ -4,8 +4,8 @@ use naga::{StorageAccess, StorageFormat};
 use volgraph_report::Finding;
 use volgraph_shader::{Binding, BindingKind, TextureDim, TextureSample};
 use wgpu::{
-    BindGroupLayoutEntry, BindingType, BufferBindingType, SamplerBindingType, ShaderStages, StorageTextureAccess,
-    TextureFormat, TextureSampleType, TextureViewDimension,
+    BindGroupLayoutEntry, BindingType, BufferBindingType, SamplerBindingType, ShaderStages,
+    StorageTextureAccess, TextureFormat, TextureSampleType, TextureViewDimension,
 };
 
 /// The layout entry of a binding; `uniforms_as_storage` as in [`with_uniforms_as_storage`].
@@ -15,17 +15,29 @@ pub(crate) fn layout_entry(
     uniforms_as_storage: bool,
 ) -> Result<BindGroupLayoutEntry, Finding> {
     let unsupported = |what: String| {
-        Finding::error("unsupported-binding", format!("binding `{}`: {what}", binding.name)).at(binding.place.clone())
+        Finding::error(
+            "unsupported-binding",
+            format!("binding `{}`: {what}", binding.name),
+        )
+        .at(binding.place.clone())
     };
     let ty = match &binding.kind {
-        BindingKind::Uniform(_) if uniforms_as_storage => buffer(BufferBindingType::Storage { read_only: true }),
-        BindingKind::Uniform(_) => buffer(BufferBindingType::Uniform),
-        BindingKind::StorageBuffer { read_only, .. } => {
-            buffer(BufferBindingType::Storage { read_only: *read_only })
+        BindingKind::Uniform(_) if uniforms_as_storage => {
+            buffer(BufferBindingType::Storage { read_only: true })
         }
-        BindingKind::Texture { dim, sample, multisampled } => BindingType::Texture {
+        BindingKind::Uniform(_) => buffer(BufferBindingType::Uniform),
+        BindingKind::StorageBuffer { read_only, .. } => buffer(BufferBindingType::Storage {
+            read_only: *read_only,
+        }),
+        BindingKind::Texture {
+            dim,
+            sample,
+            multisampled,
+        } => BindingType::Texture {
             sample_type: match sample {
-                TextureSample::Float { filterable } => TextureSampleType::Float { filterable: *filterable },
+                TextureSample::Float { filterable } => TextureSampleType::Float {
+                    filterable: *filterable,
+                },
                 TextureSample::Sint => TextureSampleType::Sint,
                 TextureSample::Uint => TextureSampleType::Uint,
                 TextureSample::Depth => TextureSampleType::Depth,
@@ -33,14 +45,19 @@ pub(crate) fn layout_entry(
             view_dimension: dimension(*dim),
             multisampled: *multisampled,
         },
-        BindingKind::StorageTexture { dim, format, access } => BindingType::StorageTexture {
+        BindingKind::StorageTexture {
+            dim,
+            format,
+            access,
+        } => BindingType::StorageTexture {
             access: match *access {
                 access if access == StorageAccess::STORE => StorageTextureAccess::WriteOnly,
                 access if access == StorageAccess::LOAD => StorageTextureAccess::ReadOnly,
                 _ => StorageTextureAccess::ReadWrite,
             },
-            format: texture_format(*format)
-                .ok_or_else(|| unsupported(format!("storage format {format:?} is not supported")))?,
+            format: texture_format(*format).ok_or_else(|| {
+                unsupported(format!("storage format {format:?} is not supported"))
+            })?,
             view_dimension: dimension(*dim),
         },
         BindingKind::Sampler { comparison } => BindingType::Sampler(if *comparison {
@@ -50,11 +67,20 @@ pub(crate) fn layout_entry(
         }),
         BindingKind::Other(ty) => return Err(unsupported(format!("type {ty} is not supported"))),
     };
-    Ok(BindGroupLayoutEntry { binding: binding.binding, visibility, ty, count: None })
+    Ok(BindGroupLayoutEntry {
+        binding: binding.binding,
+        visibility,
+        ty,
+        count: None,
+    })
 }
 
 fn buffer(ty: BufferBindingType) -> BindingType {
-    BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
+    BindingType::Buffer {
+        ty,
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    }
 }
 
 fn dimension(dim: TextureDim) -> TextureViewDimension {
@@ -75,7 +101,9 @@ fn dimension(dim: TextureDim) -> TextureViewDimension {
 pub(crate) fn with_uniforms_as_storage(mut module: naga::Module) -> naga::Module {
     for (_, variable) in module.global_variables.iter_mut() {
         if variable.space == naga::AddressSpace::Uniform {
-            variable.space = naga::AddressSpace::Storage { access: StorageAccess::LOAD };
+            variable.space = naga::AddressSpace::Storage {
+                access: StorageAccess::LOAD,
+            };
         }
     }
     module

@@ -46,9 +46,13 @@ impl Gpu {
             required_limits: adapter.limits(),
             ..Default::default()
         };
-        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).map_err(|error| {
-            GpuError::NoDevice { adapter: summary.to_string(), reason: error.to_string() }
-        })?;
+        let (device, queue) =
+            pollster::block_on(adapter.request_device(&descriptor)).map_err(|error| {
+                GpuError::NoDevice {
+                    adapter: summary.to_string(),
+                    reason: error.to_string(),
+                }
+            })?;
         let faults = Arc::new(Faults::default());
         let lost = Arc::clone(&faults);
         device.set_device_lost_callback(move |reason, message| {
@@ -58,7 +62,12 @@ impl Gpu {
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
             locked(&uncaptured.error).get_or_insert_with(|| error.to_string());
         }));
-        Ok(Self { device, queue, summary, faults })
+        Ok(Self {
+            device,
+            queue,
+            summary,
+            faults,
+        })
     }
 
     /// The adapter.
@@ -86,10 +95,13 @@ impl Gpu {
     }
 
     /// What shaders for this device may use.
-    #[must_use]
     pub fn capabilities(&self) -> Capabilities {
         let mut capabilities = Capabilities::default();
-        if self.device.features().contains(Features::TEXTURE_FORMAT_16BIT_NORM) {
+        if self
+            .device
+            .features()
+            .contains(Features::TEXTURE_FORMAT_16BIT_NORM)
+        {
             capabilities |= Capabilities::STORAGE_TEXTURE_16BIT_NORM_FORMATS;
         }
         capabilities
@@ -113,7 +125,10 @@ impl Gpu {
             return Err(GpuError::Lost(reason));
         }
         match locked(&self.faults.error).take() {
-            Some(reason) => Err(GpuError::Device { what: what.to_owned(), reason }),
+            Some(reason) => Err(GpuError::Device {
+                what: what.to_owned(),
+                reason,
+            }),
             None => Ok(()),
         }
     }
@@ -133,10 +148,16 @@ impl Gpu {
         let validation = pollster::block_on(validation.pop());
         let memory = pollster::block_on(memory.pop());
         if memory.is_some() {
-            return Err(GpuError::OutOfMemory { what: what.to_owned(), bytes: held_bytes });
+            return Err(GpuError::OutOfMemory {
+                what: what.to_owned(),
+                bytes: held_bytes,
+            });
         }
         match validation.or(internal) {
-            Some(error) => Err(GpuError::Device { what: what.to_owned(), reason: error.to_string() }),
+            Some(error) => Err(GpuError::Device {
+                what: what.to_owned(),
+                reason: error.to_string(),
+            }),
             None => Ok(value),
         }
     }
@@ -150,7 +171,10 @@ impl Gpu {
         self.take_fault("waiting for the device")?;
         match polled {
             Ok(_) => Ok(()),
-            Err(error) => Err(GpuError::Device { what: "waiting for the device".to_owned(), reason: error.to_string() }),
+            Err(error) => Err(GpuError::Device {
+                what: "waiting for the device".to_owned(),
+                reason: error.to_string(),
+            }),
         }
     }
 }

@@ -33,7 +33,9 @@ pub enum GpuError {
         reason: String,
     },
     /// Not enough memory.
-    #[error("{what}: out of device memory ({bytes} bytes held by volgraph); use a smaller picture, volume or storage format")]
+    #[error(
+        "{what}: out of device memory ({bytes} bytes held by volgraph); use a smaller picture, volume or storage format"
+    )]
     OutOfMemory {
         /// What was being done.
         what: String,

@@ -9,10 +9,10 @@ use volgraph_report::{Finding, Findings};
 use volgraph_shader::Binding;
 use wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, ColorTargetState, ColorWrites, ComputePipeline,
-    ComputePipelineDescriptor, Face, FragmentState, FrontFace, PipelineCompilationOptions, PipelineLayout,
-    PipelineLayoutDescriptor, PrimitiveState, PrimitiveTopology, RenderPipeline, RenderPipelineDescriptor,
-    ShaderModule, ShaderModuleDescriptor, ShaderSource, ShaderStages, TextureFormat, VertexAttribute,
-    VertexBufferLayout, VertexFormat, VertexState, VertexStepMode,
+    ComputePipelineDescriptor, Face, FragmentState, FrontFace, PipelineCompilationOptions,
+    PipelineLayout, PipelineLayoutDescriptor, PrimitiveState, PrimitiveTopology, RenderPipeline,
+    RenderPipelineDescriptor, ShaderModule, ShaderModuleDescriptor, ShaderSource, ShaderStages,
+    TextureFormat, VertexAttribute, VertexBufferLayout, VertexFormat, VertexState, VertexStepMode,
 };
 
 use crate::bindings::{layout_entry, with_uniforms_as_storage};
@@ -65,7 +65,9 @@ impl Pipelines {
         program: &Program,
         pass: &Pass,
     ) -> Result<Option<Arc<Pipeline>>, GpuError> {
-        let Some(key) = key(program, pass) else { return Ok(None) };
+        let Some(key) = key(program, pass) else {
+            return Ok(None);
+        };
         if let Some(pipeline) = self.built.get(&key) {
             return Ok(Some(Arc::clone(pipeline)));
         }
@@ -75,11 +77,21 @@ impl Pipelines {
             Some(module) => Arc::clone(module),
             None => {
                 let naga = program.module.naga.clone();
-                let naga = if uniforms_as_storage { with_uniforms_as_storage(naga) } else { naga };
+                let naga = if uniforms_as_storage {
+                    with_uniforms_as_storage(naga)
+                } else {
+                    naga
+                };
                 let source = ShaderSource::Naga(Cow::Owned(naga));
-                let descriptor = ShaderModuleDescriptor { label: Some(program.spec.root), source };
-                let module = gpu.scoped(&what, 0, || Arc::new(gpu.device.create_shader_module(descriptor)))?;
-                self.modules.insert((key.module, uniforms_as_storage), Arc::clone(&module));
+                let descriptor = ShaderModuleDescriptor {
+                    label: Some(program.spec.root),
+                    source,
+                };
+                let module = gpu.scoped(&what, 0, || {
+                    Arc::new(gpu.device.create_shader_module(descriptor))
+                })?;
+                self.modules
+                    .insert((key.module, uniforms_as_storage), Arc::clone(&module));
                 module
             }
         };
@@ -93,15 +105,25 @@ impl Pipelines {
 
 fn key(program: &Program, pass: &Pass) -> Option<PipelineKey> {
     let (entries, mesh, constants) = match pass {
-        Pass::Compute { entry, constants, .. } => (vec![*entry], None, constants),
-        Pass::Draw { vertex, fragment, mesh, constants } => (vec![*vertex, *fragment], Some(mesh), constants),
+        Pass::Compute {
+            entry, constants, ..
+        } => (vec![*entry], None, constants),
+        Pass::Draw {
+            vertex,
+            fragment,
+            mesh,
+            constants,
+        } => (vec![*vertex, *fragment], Some(mesh), constants),
         Pass::Upload { .. } => return None,
     };
     Some(PipelineKey {
         module: program.module.linked.digest,
         entries,
         back_faces_only: mesh.is_some_and(|mesh| mesh.back_faces_only),
-        constants: constants.iter().map(|(name, value)| (name.clone(), value.to_bits())).collect(),
+        constants: constants
+            .iter()
+            .map(|(name, value)| (name.clone(), value.to_bits()))
+            .collect(),
     })
 }
 
@@ -112,8 +134,11 @@ fn groups(
     uniforms_as_storage: bool,
     what: &str,
 ) -> Result<BTreeMap<u32, (BindGroupLayout, Vec<Binding>)>, GpuError> {
-    let stages: &[ShaderStages] =
-        if key.entries.len() == 1 { &[ShaderStages::COMPUTE] } else { &[ShaderStages::VERTEX, ShaderStages::FRAGMENT] };
+    let stages: &[ShaderStages] = if key.entries.len() == 1 {
+        &[ShaderStages::COMPUTE]
+    } else {
+        &[ShaderStages::VERTEX, ShaderStages::FRAGMENT]
+    };
     let mut used: BTreeMap<(u32, u32), (Binding, ShaderStages)> = BTreeMap::new();
     for (entry, stage) in key.entries.iter().zip(stages) {
         let Some(bindings) = program.bindings.get(entry) else {
@@ -130,9 +155,11 @@ fn groups(
         }
     }
     let mut findings = Findings::new();
-    let mut entries: BTreeMap<u32, (Vec<wgpu::BindGroupLayoutEntry>, Vec<Binding>)> = BTreeMap::new();
+    let mut entries: BTreeMap<u32, (Vec<wgpu::BindGroupLayoutEntry>, Vec<Binding>)> =
+        BTreeMap::new();
     for ((group, _), (binding, visibility)) in used {
-        if let Some(entry) = findings.take(layout_entry(&binding, visibility, uniforms_as_storage)) {
+        if let Some(entry) = findings.take(layout_entry(&binding, visibility, uniforms_as_storage))
+        {
             let (layout, bindings) = entries.entry(group).or_default();
             layout.push(entry);
             bindings.push(binding);
@@ -145,7 +172,10 @@ fn groups(
             .map(|(group, (entries, bindings))| {
                 let layout = gpu
                     .device
-                    .create_bind_group_layout(&BindGroupLayoutDescriptor { label: None, entries: &entries });
+                    .create_bind_group_layout(&BindGroupLayoutDescriptor {
+                        label: None,
+                        entries: &entries,
+                    });
                 (group, (layout, bindings))
             })
             .collect()
@@ -159,60 +189,84 @@ fn build(
     groups: &BTreeMap<u32, (BindGroupLayout, Vec<Binding>)>,
 ) -> PipelineKind {
     let layout = layout(gpu, groups);
-    let constants: Vec<(&str, f64)> =
-        key.constants.iter().map(|(name, bits)| (name.as_str(), f64::from_bits(*bits))).collect();
-    let compilation_options =
-        PipelineCompilationOptions { constants: &constants, zero_initialize_workgroup_memory: true };
+    let constants: Vec<(&str, f64)> = key
+        .constants
+        .iter()
+        .map(|(name, bits)| (name.as_str(), f64::from_bits(*bits)))
+        .collect();
+    let compilation_options = PipelineCompilationOptions {
+        constants: &constants,
+        zero_initialize_workgroup_memory: true,
+    };
     let label = Some(key.entries[key.entries.len() - 1]);
     let [vertex, fragment] = key.entries.as_slice() else {
-        return PipelineKind::Compute(gpu.device.create_compute_pipeline(&ComputePipelineDescriptor {
-            label,
-            layout: Some(&layout),
-            module,
-            entry_point: Some(key.entries[0]),
-            compilation_options,
-            cache: None,
-        }));
+        return PipelineKind::Compute(gpu.device.create_compute_pipeline(
+            &ComputePipelineDescriptor {
+                label,
+                layout: Some(&layout),
+                module,
+                entry_point: Some(key.entries[0]),
+                compilation_options,
+                cache: None,
+            },
+        ));
     };
-    let attributes = [VertexAttribute { format: VertexFormat::Float32x3, offset: 0, shader_location: 0 }];
-    let mesh = VertexBufferLayout { array_stride: 12, step_mode: VertexStepMode::Vertex, attributes: &attributes };
+    let attributes = [VertexAttribute {
+        format: VertexFormat::Float32x3,
+        offset: 0,
+        shader_location: 0,
+    }];
+    let mesh = VertexBufferLayout {
+        array_stride: 12,
+        step_mode: VertexStepMode::Vertex,
+        attributes: &attributes,
+    };
     // The pass needs a target of the picture's size; nothing is written to it.
-    let scratch = ColorTargetState { format: SCRATCH_FORMAT, blend: None, write_mask: ColorWrites::empty() };
-    PipelineKind::Render(gpu.device.create_render_pipeline(&RenderPipelineDescriptor {
-        label,
-        layout: Some(&layout),
-        vertex: VertexState {
-            module,
-            entry_point: Some(vertex),
-            compilation_options: compilation_options.clone(),
-            buffers: &[Some(mesh)],
-        },
-        primitive: PrimitiveState {
-            topology: PrimitiveTopology::TriangleList,
-            front_face: FrontFace::Ccw,
-            cull_mode: key.back_faces_only.then_some(Face::Front),
-            ..PrimitiveState::default()
-        },
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(FragmentState {
-            module,
-            entry_point: Some(fragment),
-            compilation_options,
-            targets: &[Some(scratch)],
-        }),
-        multiview_mask: None,
-        cache: None,
-    }))
+    let scratch = ColorTargetState {
+        format: SCRATCH_FORMAT,
+        blend: None,
+        write_mask: ColorWrites::empty(),
+    };
+    PipelineKind::Render(
+        gpu.device
+            .create_render_pipeline(&RenderPipelineDescriptor {
+                label,
+                layout: Some(&layout),
+                vertex: VertexState {
+                    module,
+                    entry_point: Some(vertex),
+                    compilation_options: compilation_options.clone(),
+                    buffers: &[Some(mesh)],
+                },
+                primitive: PrimitiveState {
+                    topology: PrimitiveTopology::TriangleList,
+                    front_face: FrontFace::Ccw,
+                    cull_mode: key.back_faces_only.then_some(Face::Front),
+                    ..PrimitiveState::default()
+                },
+                depth_stencil: None,
+                multisample: wgpu::MultisampleState::default(),
+                fragment: Some(FragmentState {
+                    module,
+                    entry_point: Some(fragment),
+                    compilation_options,
+                    targets: &[Some(scratch)],
+                }),
+                multiview_mask: None,
+                cache: None,
+            }),
+    )
 }
 
 fn layout(gpu: &Gpu, groups: &BTreeMap<u32, (BindGroupLayout, Vec<Binding>)>) -> PipelineLayout {
     let count = groups.keys().next_back().map_or(0, |last| last + 1);
-    let layouts: Vec<Option<&BindGroupLayout>> =
-        (0..count).map(|group| groups.get(&group).map(|(layout, _)| layout)).collect();
-    gpu.device.create_pipeline_layout(&PipelineLayoutDescriptor {
-        label: None,
-        bind_group_layouts: &layouts,
-        immediate_size: 0,
-    })
+    let layouts: Vec<Option<&BindGroupLayout>> = (0..count)
+        .map(|group| groups.get(&group).map(|(layout, _)| layout))
+        .collect();
+    gpu.device
+        .create_pipeline_layout(&PipelineLayoutDescriptor {
+            label: None,
+            bind_group_layouts: &layouts,
+            immediate_size: 0,
+        })
 }

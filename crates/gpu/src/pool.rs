@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 use volgraph_graph::{Digest, ResourceKind};
 use wgpu::{
-    Buffer, BufferDescriptor, BufferUsages, Device, Extent3d, Texture, TextureDescriptor, TextureDimension,
-    TextureUsages, TextureView,
+    Buffer, BufferDescriptor, BufferUsages, Device, Extent3d, Texture, TextureDescriptor,
+    TextureDimension, TextureUsages, TextureView,
 };
 
 /// A resource on the device.
@@ -77,10 +77,13 @@ pub struct Wish {
     pub contents: BTreeSet<(Digest, String)>,
 }
 
+/// A held resource, as wishes are compared with it: what it is, whether it is a storage texture, what it holds.
+pub type Offer = (ResourceKind, bool, Option<(Digest, String)>);
+
 /// How wishes are met from what is held: for each wish the index of a held resource, or `None` where one must be
 /// made. Content comes first, so that no wish takes what another one could keep.
 #[must_use]
-pub fn match_wishes(held: &[(ResourceKind, bool, Option<(Digest, String)>)], wishes: &[Wish]) -> Vec<Option<usize>> {
+pub fn match_wishes(held: &[Offer], wishes: &[Wish]) -> Vec<Option<usize>> {
     let mut taken = vec![false; held.len()];
     let mut matched = vec![None; wishes.len()];
     for by_content in [true, false] {
@@ -93,7 +96,10 @@ pub fn match_wishes(held: &[(ResourceKind, bool, Option<(Digest, String)>)], wis
                 !taken[*at]
                     && *resource == wish.resource
                     && *is_storage == wish.is_storage
-                    && (!by_content || content.as_ref().is_some_and(|content| wish.contents.contains(content)))
+                    && (!by_content
+                        || content
+                            .as_ref()
+                            .is_some_and(|content| wish.contents.contains(content)))
             };
             *slot = (0..held.len()).find(fits);
             if let Some(at) = *slot {
@@ -106,14 +112,23 @@ pub fn match_wishes(held: &[(ResourceKind, bool, Option<(Digest, String)>)], wis
 
 pub(crate) fn make(device: &Device, resource: ResourceKind, is_storage: bool) -> Held {
     let object = match resource {
-        ResourceKind::Texture { dimensions, extent, format } => {
-            let mut usage = TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST | TextureUsages::COPY_SRC;
+        ResourceKind::Texture {
+            dimensions,
+            extent,
+            format,
+        } => {
+            let mut usage =
+                TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST | TextureUsages::COPY_SRC;
             if is_storage {
                 usage |= TextureUsages::STORAGE_BINDING;
             }
             let texture = device.create_texture(&TextureDescriptor {
                 label: None,
-                size: Extent3d { width: extent[0], height: extent[1], depth_or_array_layers: extent[2] },
+                size: Extent3d {
+                    width: extent[0],
+                    height: extent[1],
+                    depth_or_array_layers: extent[2],
+                },
                 mip_level_count: 1,
                 sample_count: 1,
                 dimension: match dimensions {
@@ -131,11 +146,19 @@ pub(crate) fn make(device: &Device, resource: ResourceKind, is_storage: bool) ->
         ResourceKind::Buffer { bytes } => Object::Buffer(device.create_buffer(&BufferDescriptor {
             label: None,
             size: bytes.next_multiple_of(4),
-            usage: BufferUsages::VERTEX | BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
+            usage: BufferUsages::VERTEX
+                | BufferUsages::STORAGE
+                | BufferUsages::COPY_DST
+                | BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         })),
     };
-    Held { resource, is_storage, content: None, object }
+    Held {
+        resource,
+        is_storage,
+        content: None,
+        object,
+    }
 }
 
 #[cfg(test)]
@@ -146,18 +169,33 @@ mod tests {
         Wish {
             resource: ResourceKind::Buffer { bytes },
             is_storage: false,
-            contents: content.map(|c| ([c; 32], "out".to_owned())).into_iter().collect(),
+            contents: content
+                .map(|c| ([c; 32], "out".to_owned()))
+                .into_iter()
+                .collect(),
         }
     }
 
     #[test]
     fn content_is_kept_by_whom_it_serves() {
         let held = |bytes, content: u8| {
-            (ResourceKind::Buffer { bytes }, false, Some(([content; 32], "out".to_owned())))
+            (
+                ResourceKind::Buffer { bytes },
+                false,
+                Some(([content; 32], "out".to_owned())),
+            )
         };
         let there = [held(8, 1), held(8, 2), held(4, 3)];
-        let wishes = [wish(8, None), wish(8, Some(1)), wish(4, Some(9)), wish(16, None)];
-        assert_eq!(match_wishes(&there, &wishes), [Some(1), Some(0), Some(2), None]);
+        let wishes = [
+            wish(8, None),
+            wish(8, Some(1)),
+            wish(4, Some(9)),
+            wish(16, None),
+        ];
+        assert_eq!(
+            match_wishes(&there, &wishes),
+            [Some(1), Some(0), Some(2), None]
+        );
     }
 
     #[test]

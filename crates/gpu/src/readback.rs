@@ -25,9 +25,11 @@ impl Texels {
     #[must_use]
     pub fn to_f32(&self) -> Vec<f32> {
         match self.format {
-            TextureFormat::R32Float | TextureFormat::Rg32Float | TextureFormat::Rgba32Float => {
-                self.bytes.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
-            }
+            TextureFormat::R32Float | TextureFormat::Rg32Float | TextureFormat::Rgba32Float => self
+                .bytes
+                .chunks_exact(4)
+                .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+                .collect(),
             _ => Vec::new(),
         }
     }
@@ -36,7 +38,10 @@ impl Texels {
 /// Copies a texture to the host.
 pub(crate) fn read_texture(gpu: &Gpu, held: &Held, what: &str) -> Result<Texels, GpuError> {
     let Some(texture) = held.texture() else {
-        return Err(GpuError::Output { name: what.to_owned(), reason: "it is not a texture".to_owned() });
+        return Err(GpuError::Output {
+            name: what.to_owned(),
+            reason: "it is not a texture".to_owned(),
+        });
     };
     let size = texture.size();
     let extent = [size.width, size.height, size.depth_or_array_layers];
@@ -52,9 +57,18 @@ pub(crate) fn read_texture(gpu: &Gpu, held: &Held, what: &str) -> Result<Texels,
             usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
             mapped_at_creation: false,
         });
-        let mut encoder = gpu.device.create_command_encoder(&CommandEncoderDescriptor { label: Some("read-back") });
+        let mut encoder = gpu
+            .device
+            .create_command_encoder(&CommandEncoderDescriptor {
+                label: Some("read-back"),
+            });
         encoder.copy_texture_to_buffer(
-            TexelCopyTextureInfo { texture, mip_level: 0, origin: Origin3d::ZERO, aspect: TextureAspect::All },
+            TexelCopyTextureInfo {
+                texture,
+                mip_level: 0,
+                origin: Origin3d::ZERO,
+                aspect: TextureAspect::All,
+            },
             TexelCopyBufferInfo {
                 buffer: &buffer,
                 layout: TexelCopyBufferLayout {
@@ -63,7 +77,11 @@ pub(crate) fn read_texture(gpu: &Gpu, held: &Held, what: &str) -> Result<Texels,
                     rows_per_image: Some(extent[1]),
                 },
             },
-            Extent3d { width: extent[0], height: extent[1], depth_or_array_layers: extent[2] },
+            Extent3d {
+                width: extent[0],
+                height: extent[1],
+                depth_or_array_layers: extent[2],
+            },
         );
         gpu.queue.submit([encoder.finish()]);
         buffer
@@ -73,14 +91,25 @@ pub(crate) fn read_texture(gpu: &Gpu, held: &Held, what: &str) -> Result<Texels,
     let bytes = if row == padded_row {
         padded
     } else {
-        padded.chunks_exact(padded_row).flat_map(|padded| &padded[..row]).copied().collect()
+        padded
+            .chunks_exact(padded_row)
+            .flat_map(|padded| &padded[..row])
+            .copied()
+            .collect()
     };
-    Ok(Texels { extent, format: texture.format(), bytes })
+    Ok(Texels {
+        extent,
+        format: texture.format(),
+        bytes,
+    })
 }
 
 /// Waits for a buffer and copies its bytes.
 pub(crate) fn map(gpu: &Gpu, buffer: &Buffer, bytes: u64) -> Result<Vec<u8>, GpuError> {
-    let failed = |reason: String| GpuError::Device { what: "reading back".to_owned(), reason };
+    let failed = |reason: String| GpuError::Device {
+        what: "reading back".to_owned(),
+        reason,
+    };
     let (sender, receiver) = std::sync::mpsc::channel();
     buffer.map_async(MapMode::Read, 0..bytes, move |result| {
         // The receiver lives until the result is there.
@@ -92,7 +121,9 @@ pub(crate) fn map(gpu: &Gpu, buffer: &Buffer, bytes: u64) -> Result<Vec<u8>, Gpu
         Ok(Err(error)) => return Err(failed(error.to_string())),
         Err(error) => return Err(failed(error.to_string())),
     }
-    let mapped = buffer.get_mapped_range(0..bytes).map_err(|error| failed(error.to_string()))?;
+    let mapped = buffer
+        .get_mapped_range(0..bytes)
+        .map_err(|error| failed(error.to_string()))?;
     let copy = mapped.to_vec();
     drop(mapped);
     buffer.unmap();

@@ -72,7 +72,11 @@ impl FrameReport {
     /// The names of the nodes that ran.
     #[must_use]
     pub fn ran(&self) -> Vec<&str> {
-        self.nodes.iter().filter(|node| node.ran).map(|node| node.name.as_str()).collect()
+        self.nodes
+            .iter()
+            .filter(|node| node.ran)
+            .map(|node| node.name.as_str())
+            .collect()
     }
 }
 
@@ -128,7 +132,9 @@ impl Runner {
     pub fn install(&mut self, plan: Arc<Plan>) -> Result<(), GpuError> {
         let view = plan.view();
         for &id in &plan.order {
-            let Some(program) = &plan.graph.nodes[id].program else { continue };
+            let Some(program) = &plan.graph.nodes[id].program else {
+                continue;
+            };
             for variant in self.variants_to_prove(&plan, id) {
                 for pass in plan.record(id, &view, variant)? {
                     self.pipelines.get(&self.gpu, program, &pass)?;
@@ -136,8 +142,11 @@ impl Runner {
             }
         }
         let wishes = wishes(&plan, &view);
-        let there: Vec<_> =
-            self.held.iter().map(|held| (held.resource, held.is_storage, held.content.clone())).collect();
+        let there: Vec<_> = self
+            .held
+            .iter()
+            .map(|held| (held.resource, held.is_storage, held.content.clone()))
+            .collect();
         let matched = match_wishes(&there, &wishes);
         let bytes = self.memory().bytes;
         let mut fresh = Vec::new();
@@ -146,7 +155,9 @@ impl Runner {
                 Some(_) => None,
                 None => {
                     let what = format!("allocating {:?}", wish.resource);
-                    Some(self.gpu.scoped(&what, bytes, || make(&self.gpu.device, wish.resource, wish.is_storage))?)
+                    Some(self.gpu.scoped(&what, bytes, || {
+                        make(&self.gpu.device, wish.resource, wish.is_storage)
+                    })?)
                 }
             });
         }
@@ -173,7 +184,11 @@ impl Runner {
     /// Counts and bytes on the device.
     #[must_use]
     pub fn memory(&self) -> PoolReport {
-        let textures = self.held.iter().filter(|held| held.texture().is_some()).count();
+        let textures = self
+            .held
+            .iter()
+            .filter(|held| held.texture().is_some())
+            .count();
         PoolReport {
             textures,
             buffers: self.held.len() - textures,
@@ -188,11 +203,19 @@ impl Runner {
     /// # Errors
     /// [`GpuError::Output`] where there is no such output, and what the device refused.
     pub fn read(&self, output: &str) -> Result<Texels, GpuError> {
-        let no_output = |reason: String| GpuError::Output { name: output.to_owned(), reason };
-        let Some(plan) = &self.plan else { return Err(no_output("no plan is installed".to_owned())) };
+        let no_output = |reason: String| GpuError::Output {
+            name: output.to_owned(),
+            reason,
+        };
+        let Some(plan) = &self.plan else {
+            return Err(no_output("no plan is installed".to_owned()));
+        };
         let Some(link) = plan.graph.outputs.get(output) else {
             let known: Vec<&str> = plan.graph.outputs.keys().map(String::as_str).collect();
-            return Err(no_output(format!("the graph has no such output; it has {}", known.join(", "))));
+            return Err(no_output(format!(
+                "the graph has no such output; it has {}",
+                known.join(", ")
+            )));
         };
         let Some(at) = plan.allocation_of.get(&(link.node, link.port.clone())) else {
             return Err(no_output("it is a source, not a picture".to_owned()));
@@ -212,7 +235,11 @@ impl Runner {
         }
     }
 
-    fn chosen_variant(&self, plan: &Plan, id: NodeId) -> Option<&(&'static str, BTreeMap<&'static str, f64>)> {
+    fn chosen_variant(
+        &self,
+        plan: &Plan,
+        id: NodeId,
+    ) -> Option<&(&'static str, BTreeMap<&'static str, f64>)> {
         let program = plan.graph.nodes[id].program.as_ref()?;
         self.chosen.get(&program.module.linked.digest)
     }
@@ -232,8 +259,10 @@ fn wishes(plan: &Plan, view: &View) -> Vec<Wish> {
     for ((id, port), allocation) in &plan.allocation_of {
         let wish = &mut wishes[*allocation];
         let binding = format!("{port}_out");
-        wish.is_storage |=
-            plan.graph.nodes[*id].program.as_ref().is_some_and(|program| program.uses(&binding));
+        wish.is_storage |= plan.graph.nodes[*id]
+            .program
+            .as_ref()
+            .is_some_and(|program| program.uses(&binding));
         wish.contents.insert((fingerprints[id], port.clone()));
     }
     wishes

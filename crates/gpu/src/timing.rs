@@ -1,6 +1,8 @@
 //! Time per node on the device, where it can write timestamps between passes.
 
-use wgpu::{Buffer, BufferDescriptor, BufferUsages, CommandEncoder, QuerySet, QuerySetDescriptor, QueryType};
+use wgpu::{
+    Buffer, BufferDescriptor, BufferUsages, CommandEncoder, QuerySet, QuerySetDescriptor, QueryType,
+};
 
 use crate::device::Gpu;
 use crate::error::GpuError;
@@ -21,10 +23,17 @@ impl Timer {
         if !gpu.has_timestamps() || nodes == 0 {
             return None;
         }
-        let capacity = u32::try_from(nodes * 2).ok().filter(|count| *count <= wgpu::QUERY_SET_MAX_QUERIES)?;
+        let capacity = u32::try_from(nodes * 2)
+            .ok()
+            .filter(|count| *count <= wgpu::QUERY_SET_MAX_QUERIES)?;
         let bytes = u64::from(capacity) * 8;
         let buffer = |usage| {
-            gpu.device.create_buffer(&BufferDescriptor { label: Some("timestamps"), size: bytes, usage, mapped_at_creation: false })
+            gpu.device.create_buffer(&BufferDescriptor {
+                label: Some("timestamps"),
+                size: bytes,
+                usage,
+                mapped_at_creation: false,
+            })
         };
         Some(Self {
             queries: gpu.device.create_query_set(&QuerySetDescriptor {
@@ -51,7 +60,13 @@ impl Timer {
     pub(crate) fn resolve(&self, encoder: &mut CommandEncoder) {
         if self.written > 0 {
             encoder.resolve_query_set(&self.queries, 0..self.written, &self.resolved, 0);
-            encoder.copy_buffer_to_buffer(&self.resolved, 0, &self.readable, 0, u64::from(self.written) * 8);
+            encoder.copy_buffer_to_buffer(
+                &self.resolved,
+                0,
+                &self.readable,
+                0,
+                u64::from(self.written) * 8,
+            );
         }
     }
 
@@ -62,10 +77,17 @@ impl Timer {
         }
         let bytes = map(gpu, &self.readable, u64::from(self.written) * 8)?;
         let period = f64::from(gpu.queue.get_timestamp_period()) * 1e-6;
-        let ticks: Vec<u64> =
-            bytes.chunks_exact(8).map(|b| u64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]])).collect();
-        #[expect(clippy::cast_precision_loss, reason = "a frame is shorter than 2^52 ticks")]
-        let milliseconds = ticks.chunks_exact(2).map(|pair| pair[1].saturating_sub(pair[0]) as f64 * period);
+        let ticks: Vec<u64> = bytes
+            .chunks_exact(8)
+            .map(|b| u64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]]))
+            .collect();
+        #[expect(
+            clippy::cast_precision_loss,
+            reason = "a frame is shorter than 2^52 ticks"
+        )]
+        let milliseconds = ticks
+            .chunks_exact(2)
+            .map(|pair| pair[1].saturating_sub(pair[0]) as f64 * period);
         Ok(milliseconds.collect())
     }
 }

@@ -66,7 +66,13 @@ pub struct CameraDesc {
 impl Default for CameraDesc {
     fn default() -> Self {
         Self {
-            pose: Pose::Orbit { azimuth: 30.0, elevation: 20.0, roll: 0.0, distance: None, target: None },
+            pose: Pose::Orbit {
+                azimuth: 30.0,
+                elevation: 20.0,
+                roll: 0.0,
+                distance: None,
+                target: None,
+            },
             up: DVec3::Z,
             projection: Projection::Perspective { fov_y: 30.0 },
         }
@@ -118,7 +124,13 @@ impl CameraDesc {
         let narrow = aspect.min(1.0);
         let (eye, target, up) = match &self.pose {
             Pose::LookAt { eye, target } => (*eye, target.unwrap_or(middle), self.up),
-            Pose::Orbit { azimuth, elevation, roll, distance, target } => {
+            Pose::Orbit {
+                azimuth,
+                elevation,
+                roll,
+                distance,
+                target,
+            } => {
                 let target = target.unwrap_or(middle);
                 let distance = distance.unwrap_or_else(|| match self.projection {
                     Projection::Perspective { fov_y } => {
@@ -148,12 +160,18 @@ impl CameraDesc {
             right = forward.any_orthonormal_vector();
         }
         let projection = match self.projection {
-            Projection::Orthographic { height: None } => {
-                Projection::Orthographic { height: Some(2.0 * radius / narrow) }
-            }
+            Projection::Orthographic { height: None } => Projection::Orthographic {
+                height: Some(2.0 * radius / narrow),
+            },
             given => given,
         };
-        Camera { eye, right, up: right.cross(forward), forward, projection }
+        Camera {
+            eye,
+            right,
+            up: right.cross(forward),
+            forward,
+            projection,
+        }
     }
 }
 
@@ -166,7 +184,11 @@ impl View {
             Projection::Perspective { fov_y } => ((fov_y.to_radians() * 0.5).tan(), false),
             Projection::Orthographic { height } => (height.unwrap_or(1.0) * 0.5, true),
         };
-        Lens { size: self.size, half_extent: [half_height * aspect, half_height], is_orthographic }
+        Lens {
+            size: self.size,
+            half_extent: [half_height * aspect, half_height],
+            is_orthographic,
+        }
     }
 
     /// The pixel rectangle `[x, y, width, height]` that holds the projection of `corners`; the whole picture
@@ -182,7 +204,11 @@ impl View {
             if !lens.is_orthographic && depth <= 1e-6 * from_eye.length() {
                 return Some([0, 0, self.size[0], self.size[1]]);
             }
-            let scale = if lens.is_orthographic { 1.0 } else { 1.0 / depth };
+            let scale = if lens.is_orthographic {
+                1.0
+            } else {
+                1.0 / depth
+            };
             let x = from_eye.dot(self.camera.right) * scale / lens.half_extent[0];
             let y = from_eye.dot(self.camera.up) * scale / lens.half_extent[1];
             let pixel = [(x + 1.0) * 0.5 * width, (1.0 - y) * 0.5 * height];
@@ -201,14 +227,23 @@ impl View {
             clippy::cast_sign_loss,
             reason = "clamped to the picture, whose size is u32"
         )]
-        let bounds = [x0 as u32, y0 as u32, (x1 - x0).max(0.0) as u32, (y1 - y0).max(0.0) as u32];
+        let bounds = [
+            x0 as u32,
+            y0 as u32,
+            (x1 - x0).max(0.0) as u32,
+            (y1 - y0).max(0.0) as u32,
+        ];
         (bounds[2] > 0 && bounds[3] > 0).then_some(bounds)
     }
 }
 
 /// The level direction from which an orbit at azimuth 0 looks: -y for `up` = ±z, else the level part of +z.
 fn front_of(up: DVec3) -> DVec3 {
-    let wanted = if up.z.abs() > 0.9 { DVec3::NEG_Y } else { DVec3::Z };
+    let wanted = if up.z.abs() > 0.9 {
+        DVec3::NEG_Y
+    } else {
+        DVec3::Z
+    };
     (wanted - up * wanted.dot(up)).normalize_or(DVec3::X)
 }
 
@@ -217,9 +252,15 @@ fn bounding_sphere(corners: &[DVec3]) -> (DVec3, f64) {
         return (DVec3::ZERO, 0.75_f64.sqrt());
     }
     let lo = corners.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let hi = corners.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let hi = corners
+        .iter()
+        .copied()
+        .fold(DVec3::NEG_INFINITY, DVec3::max);
     let middle = (lo + hi) * 0.5;
-    let radius = corners.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max);
+    let radius = corners
+        .iter()
+        .map(|corner| corner.distance(middle))
+        .fold(0.0, f64::max);
     (middle, radius.max(f64::MIN_POSITIVE))
 }
 
@@ -228,13 +269,25 @@ mod tests {
     use super::*;
 
     fn cube() -> Vec<DVec3> {
-        (0..8).map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) * 2.0).collect()
+        (0..8)
+            .map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) * 2.0)
+            .collect()
     }
 
     #[test]
     fn the_default_orbit_faces_a_patient() {
-        let pose = Pose::Orbit { azimuth: 0.0, elevation: 0.0, roll: 0.0, distance: None, target: None };
-        let camera = CameraDesc { pose, ..CameraDesc::default() }.fit(&cube(), 1.0);
+        let pose = Pose::Orbit {
+            azimuth: 0.0,
+            elevation: 0.0,
+            roll: 0.0,
+            distance: None,
+            target: None,
+        };
+        let camera = CameraDesc {
+            pose,
+            ..CameraDesc::default()
+        }
+        .fit(&cube(), 1.0);
         assert!(camera.forward.distance(DVec3::Y) < 1e-12);
         // The patient's left (+x) is at the right of the picture.
         assert!(camera.right.distance(DVec3::X) < 1e-12);
@@ -244,18 +297,31 @@ mod tests {
     #[test]
     fn a_fitted_view_holds_the_whole_box() {
         for elevation in [-90.0, -30.0, 0.0, 45.0, 90.0] {
-            for projection in
-                [Projection::Perspective { fov_y: 40.0 }, Projection::Orthographic { height: None }]
-            {
+            for projection in [
+                Projection::Perspective { fov_y: 40.0 },
+                Projection::Orthographic { height: None },
+            ] {
                 for size in [[400, 200], [200, 400], [300, 300]] {
-                    let pose =
-                        Pose::Orbit { azimuth: 77.0, elevation, roll: 10.0, distance: None, target: None };
+                    let pose = Pose::Orbit {
+                        azimuth: 77.0,
+                        elevation,
+                        roll: 10.0,
+                        distance: None,
+                        target: None,
+                    };
                     let aspect = f64::from(size[0]) / f64::from(size[1]);
-                    let camera =
-                        CameraDesc { pose, projection, up: DVec3::Y }.fit(&cube(), aspect);
+                    let camera = CameraDesc {
+                        pose,
+                        projection,
+                        up: DVec3::Y,
+                    }
+                    .fit(&cube(), aspect);
                     let view = View { camera, size };
                     let [x, y, w, h] = view.pixel_bounds(&cube()).unwrap();
-                    assert!(x > 0 && y > 0 && x + w < size[0] && y + h < size[1], "{elevation} {size:?}");
+                    assert!(
+                        x > 0 && y > 0 && x + w < size[0] && y + h < size[1],
+                        "{elevation} {size:?}"
+                    );
                     assert!(w.max(h) * 2 > size[0].min(size[1]), "too small in the view");
                 }
             }
@@ -264,11 +330,24 @@ mod tests {
 
     #[test]
     fn from_inside_the_box_may_be_anywhere_and_behind_is_nowhere() {
-        let pose = Pose::LookAt { eye: DVec3::ONE, target: Some(DVec3::new(1.0, 5.0, 1.0)) };
-        let camera = CameraDesc { pose, ..CameraDesc::default() }.fit(&cube(), 1.0);
-        let view = View { camera, size: [64, 64] };
+        let pose = Pose::LookAt {
+            eye: DVec3::ONE,
+            target: Some(DVec3::new(1.0, 5.0, 1.0)),
+        };
+        let camera = CameraDesc {
+            pose,
+            ..CameraDesc::default()
+        }
+        .fit(&cube(), 1.0);
+        let view = View {
+            camera,
+            size: [64, 64],
+        };
         assert_eq!(view.pixel_bounds(&cube()), Some([0, 0, 64, 64]));
-        let aside: Vec<DVec3> = cube().iter().map(|c| *c + DVec3::new(1000.0, 20.0, 0.0)).collect();
+        let aside: Vec<DVec3> = cube()
+            .iter()
+            .map(|c| *c + DVec3::new(1000.0, 20.0, 0.0))
+            .collect();
         assert_eq!(view.pixel_bounds(&aside), None);
     }
 }

@@ -69,7 +69,9 @@ pub fn binding_source(node: &Node, binding: &Binding) -> Result<BindingSource, F
             "lens" => return Ok(BindingSource::Lens),
             "camera" => return Ok(BindingSource::Camera),
             "params" => return Ok(BindingSource::Params),
-            _ if kind.uniforms().contains(&name) => return Ok(BindingSource::Uniform(name.to_owned())),
+            _ if kind.uniforms().contains(&name) => {
+                return Ok(BindingSource::Uniform(name.to_owned()));
+            }
             _ => {}
         },
         BindingKind::Sampler { .. } => match name {
@@ -79,7 +81,10 @@ pub fn binding_source(node: &Node, binding: &Binding) -> Result<BindingSource, F
             _ => {}
         },
         _ => {
-            if let Some(port) = name.strip_suffix("_out").filter(|port| kind.outputs().iter().any(|o| o.name == *port)) {
+            if let Some(port) = name
+                .strip_suffix("_out")
+                .filter(|port| kind.outputs().iter().any(|o| o.name == *port))
+            {
                 return Ok(BindingSource::Output(port.to_owned()));
             }
             if kind.inputs().iter().any(|port| port.name == name) {
@@ -88,7 +93,10 @@ pub fn binding_source(node: &Node, binding: &Binding) -> Result<BindingSource, F
                 }
                 return Err(Finding::error(
                     "missing-input",
-                    format!("the shader of node `{}` reads its input `{name}`, which is not connected", node.name),
+                    format!(
+                        "the shader of node `{}` reads its input `{name}`, which is not connected",
+                        node.name
+                    ),
                 )
                 .at(binding.place.clone()));
             }
@@ -100,19 +108,26 @@ pub fn binding_source(node: &Node, binding: &Binding) -> Result<BindingSource, F
             .chain(kind.uniforms())
             .map(|name| (*name).to_owned())
             .collect(),
-        BindingKind::Sampler { .. } => {
-            ["linear_sampler", "nearest_sampler", "repeat_sampler"].map(str::to_owned).to_vec()
-        }
+        BindingKind::Sampler { .. } => ["linear_sampler", "nearest_sampler", "repeat_sampler"]
+            .map(str::to_owned)
+            .to_vec(),
         _ => kind
             .inputs()
             .iter()
             .map(|port| port.name.to_owned())
-            .chain(kind.outputs().iter().map(|port| format!("{}_out", port.name)))
+            .chain(
+                kind.outputs()
+                    .iter()
+                    .map(|port| format!("{}_out", port.name)),
+            )
             .collect(),
     };
     Err(Finding::error(
         "unknown-binding",
-        format!("nothing fills the binding `{name}` for a node of kind `{}`", kind.name()),
+        format!(
+            "nothing fills the binding `{name}` for a node of kind `{}`",
+            kind.name()
+        ),
     )
     .at(binding.place.clone())
     .help_opt(did_you_mean(name, known.iter().map(String::as_str))))
@@ -138,8 +153,12 @@ pub fn check(graph: &Graph) -> Result<(), Findings> {
     for (name, link) in &graph.outputs {
         let writer = &graph.nodes[link.node];
         if writer.is_source() {
-            let message = format!("output `{name}` is the source `{}`; only what a node writes is an output", writer.name);
-            let finding = Finding::error("type-mismatch", message).help("name a node and its port, such as `image.color`");
+            let message = format!(
+                "output `{name}` is the source `{}`; only what a node writes is an output",
+                writer.name
+            );
+            let finding = Finding::error("type-mismatch", message)
+                .help("name a node and its port, such as `image.color`");
             findings.push(match &link.place {
                 Some(place) => finding.at(place.clone()),
                 None => finding,
@@ -154,24 +173,49 @@ pub fn check(graph: &Graph) -> Result<(), Findings> {
 
 /// Whether the shader declares a binding as what its port carries.
 fn check_binding(node: &Node, binding: &Binding, source: &BindingSource) -> Result<(), Finding> {
-    let Some(kind) = node.kind() else { return Ok(()) };
+    let Some(kind) = node.kind() else {
+        return Ok(());
+    };
     let (ty, is_read) = match source {
-        BindingSource::Input(name) => (kind.inputs().iter().find(|port| port.name == name).map(|port| port.ty), true),
-        BindingSource::Output(name) => (kind.outputs().iter().find(|port| port.name == name).map(|port| port.ty), false),
+        BindingSource::Input(name) => (
+            kind.inputs()
+                .iter()
+                .find(|port| port.name == name)
+                .map(|port| port.ty),
+            true,
+        ),
+        BindingSource::Output(name) => (
+            kind.outputs()
+                .iter()
+                .find(|port| port.name == name)
+                .map(|port| port.ty),
+            false,
+        ),
         _ => return Ok(()),
     };
     let Some(ty) = ty else { return Ok(()) };
     let wanted = match dimension(ty) {
         Some(dim) => (dim, is_read),
         // Buffers and what stays on the CPU have no texture; a shader cannot bind the latter at all.
-        None if matches!(binding.kind, BindingKind::StorageBuffer { .. }) && ty == PortType::Mesh => return Ok(()),
+        None if matches!(binding.kind, BindingKind::StorageBuffer { .. })
+            && ty == PortType::Mesh =>
+        {
+            return Ok(());
+        }
         None => {
-            let message = format!("the port `{}` carries a {ty}, which no binding can read", binding.name);
+            let message = format!(
+                "the port `{}` carries a {ty}, which no binding can read",
+                binding.name
+            );
             return Err(Finding::error("binding-type", message).at(binding.place.clone()));
         }
     };
     let declared = match &binding.kind {
-        BindingKind::Texture { dim, multisampled: false, .. } => Some((*dim, true)),
+        BindingKind::Texture {
+            dim,
+            multisampled: false,
+            ..
+        } => Some((*dim, true)),
         BindingKind::StorageTexture { dim, .. } => Some((*dim, false)),
         _ => None,
     };
@@ -183,10 +227,20 @@ fn check_binding(node: &Node, binding: &Binding, source: &BindingSource) -> Resu
         TextureDim::D2 => "2d",
         _ => "3d",
     };
-    let form = if is_read { format!("texture_{axes}<f32>") } else { format!("texture_storage_{axes}<…, write>") };
-    Err(Finding::error("binding-type", format!("`{}` is a {ty} of node `{}`, and declared as something else", binding.name, node.name))
-        .at(binding.place.clone())
-        .help(format!("declare it as `{form}`")))
+    let form = if is_read {
+        format!("texture_{axes}<f32>")
+    } else {
+        format!("texture_storage_{axes}<…, write>")
+    };
+    Err(Finding::error(
+        "binding-type",
+        format!(
+            "`{}` is a {ty} of node `{}`, and declared as something else",
+            binding.name, node.name
+        ),
+    )
+    .at(binding.place.clone())
+    .help(format!("declare it as `{form}`")))
 }
 
 /// The texture that a port's resource is; `None` for what is no texture.
@@ -194,7 +248,9 @@ fn dimension(ty: PortType) -> Option<TextureDim> {
     match ty {
         // A table over one scalar is one row: 1D textures do not work on GL (wgpu 30).
         PortType::Table1d => Some(TextureDim::D2),
-        PortType::Color | PortType::Scalar2d | PortType::Table2d | PortType::ImageTexture => Some(TextureDim::D2),
+        PortType::Color | PortType::Scalar2d | PortType::Table2d | PortType::ImageTexture => {
+            Some(TextureDim::D2)
+        }
         PortType::VolumeTexture | PortType::GradientTexture => Some(TextureDim::D3),
         PortType::Volume | PortType::Transfer | PortType::Image | PortType::Mesh => None,
     }
@@ -203,9 +259,15 @@ fn dimension(ty: PortType) -> Option<TextureDim> {
 fn check_types(graph: &Graph, node: &Node, findings: &mut Findings) {
     let Some(kind) = node.kind() else { return };
     for (name, link) in &node.inputs {
-        let Some(port) = kind.inputs().iter().find(|port| port.name == name) else { continue };
+        let Some(port) = kind.inputs().iter().find(|port| port.name == name) else {
+            continue;
+        };
         let writer = &graph.nodes[link.node];
-        let given = writer.output_types().into_iter().find(|(name, _)| *name == link.port).map(|(_, ty)| ty);
+        let given = writer
+            .output_types()
+            .into_iter()
+            .find(|(name, _)| *name == link.port)
+            .map(|(_, ty)| ty);
         if given != Some(port.ty) {
             let given = given.map_or_else(|| "nothing".to_owned(), |ty| ty.to_string());
             let finding = Finding::error(
@@ -233,18 +295,29 @@ fn check_params(graph: &Graph, id: NodeId, findings: &mut Findings) {
         match specs.iter().find(|spec| spec.name == *name) {
             Some(spec) => {
                 if let Err(reason) = spec.check(&given.value) {
-                    let finding = Finding::error("bad-param", format!("parameter `{name}` of node `{}`: {reason}", node.name));
+                    let finding = Finding::error(
+                        "bad-param",
+                        format!("parameter `{name}` of node `{}`: {reason}", node.name),
+                    );
                     findings.push(match &spec.place {
-                        Some(place) => finding.at(given.place.clone()).related(place.clone(), "declared here"),
+                        Some(place) => finding
+                            .at(given.place.clone())
+                            .related(place.clone(), "declared here"),
                         None => finding.at(given.place.clone()),
                     });
                 }
             }
             None if matches!(node.origin, Origin::File(_)) => {
                 findings.push(
-                    Finding::error("unknown-param", format!("node `{}` has no parameter `{name}`", node.name))
-                        .at(given.name_place.clone())
-                        .help_opt(did_you_mean(name, specs.iter().map(|spec| spec.name.as_str()))),
+                    Finding::error(
+                        "unknown-param",
+                        format!("node `{}` has no parameter `{name}`", node.name),
+                    )
+                    .at(given.name_place.clone())
+                    .help_opt(did_you_mean(
+                        name,
+                        specs.iter().map(|spec| spec.name.as_str()),
+                    )),
                 );
             }
             None => {}
@@ -256,14 +329,23 @@ fn check_params(graph: &Graph, id: NodeId, findings: &mut Findings) {
 fn cycle(graph: &Graph) -> Option<Finding> {
     let found = cyclic_path(graph)?;
     // The path goes from reader to writer; people read it the way the data would go.
-    let mut names: Vec<&str> = found.iter().rev().map(|id| graph.nodes[*id].name.as_str()).collect();
+    let mut names: Vec<&str> = found
+        .iter()
+        .rev()
+        .map(|id| graph.nodes[*id].name.as_str())
+        .collect();
     names.push(names[0]);
-    let mut finding = Finding::error("cycle", format!("the nodes form a cycle: {}", names.join(" → ")))
-        .help("let one of them read from a node outside of the cycle");
-    let places = found.iter().filter_map(|id| match &graph.nodes[*id].origin {
-        Origin::File(place) => Some((place.clone(), graph.nodes[*id].name.clone())),
-        Origin::Demanded { .. } => None,
-    });
+    let mut finding = Finding::error(
+        "cycle",
+        format!("the nodes form a cycle: {}", names.join(" → ")),
+    )
+    .help("let one of them read from a node outside of the cycle");
+    let places = found
+        .iter()
+        .filter_map(|id| match &graph.nodes[*id].origin {
+            Origin::File(place) => Some((place.clone(), graph.nodes[*id].name.clone())),
+            Origin::Demanded { .. } => None,
+        });
     for (place, name) in places {
         if finding.place.is_none() {
             finding = finding.at(place);
@@ -285,9 +367,19 @@ fn cyclic_path(graph: &Graph) -> Option<Vec<NodeId>> {
         loop {
             if let Some(id) = next {
                 is_open[id] = true;
-                path.push((id, graph.nodes[id].inputs.values().rev().map(|link| link.node).collect()));
+                path.push((
+                    id,
+                    graph.nodes[id]
+                        .inputs
+                        .values()
+                        .rev()
+                        .map(|link| link.node)
+                        .collect(),
+                ));
             }
-            let Some((id, writers)) = path.last_mut() else { break };
+            let Some((id, writers)) = path.last_mut() else {
+                break;
+            };
             next = writers.pop();
             match next {
                 Some(writer) if is_open[writer] => {

@@ -8,7 +8,11 @@ use crate::graph::{Graph, NodeId, Origin};
 #[must_use]
 pub fn cull(graph: &Graph) -> (Graph, Vec<String>) {
     let live = graph.live();
-    let renumbered: BTreeMap<NodeId, NodeId> = live.iter().enumerate().map(|(new, old)| (*old, new)).collect();
+    let renumbered: BTreeMap<NodeId, NodeId> = live
+        .iter()
+        .enumerate()
+        .map(|(new, old)| (*old, new))
+        .collect();
     let mut kept = Graph::default();
     let mut dropped = Vec::new();
     for (id, node) in graph.nodes.iter().enumerate() {
@@ -41,7 +45,10 @@ pub fn cull(graph: &Graph) -> (Graph, Vec<String>) {
 /// The first live node that reads a node, and the port at which it does.
 fn reader<'g>(graph: &'g Graph, live: &BTreeSet<NodeId>, id: NodeId) -> Option<(NodeId, &'g str)> {
     live.iter().find_map(|&reader| {
-        let (port, _) = graph.nodes[reader].inputs.iter().find(|(_, link)| link.node == id)?;
+        let (port, _) = graph.nodes[reader]
+            .inputs
+            .iter()
+            .find(|(_, link)| link.node == id)?;
         Some((reader, port.as_str()))
     })
 }

@@ -35,7 +35,12 @@ impl ShaderLibrary {
     /// A library over these roots, for a device with these capabilities.
     #[must_use]
     pub fn new(roots: ShaderRoots, capabilities: Capabilities, base: Option<PathBuf>) -> Self {
-        Self { roots, capabilities, base, linked: Mutex::default() }
+        Self {
+            roots,
+            capabilities,
+            base,
+            linked: Mutex::default(),
+        }
     }
 
     /// The roots it searches.
@@ -49,7 +54,11 @@ impl ShaderLibrary {
     ///
     /// # Errors
     /// Everything the linker and naga found.
-    pub fn module(&self, spec: &ProgramSpec, slots: &BTreeMap<String, String>) -> Result<Arc<Module>, Findings> {
+    pub fn module(
+        &self,
+        spec: &ProgramSpec,
+        slots: &BTreeMap<String, String>,
+    ) -> Result<Arc<Module>, Findings> {
         let mut request = LinkRequest::new(spec.root);
         request.slots = slots.clone();
         request.slots.extend(spec.fixed_slots.clone());
@@ -58,7 +67,13 @@ impl ShaderLibrary {
         let mut cache = self.linked.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(module) = cache.get(&linked.digest) {
             // The same text may come from other files by now; places must name the current ones.
-            if module.linked.files.iter().map(|file| &file.path).eq(linked.files.iter().map(|file| &file.path)) {
+            if module
+                .linked
+                .files
+                .iter()
+                .map(|file| &file.path)
+                .eq(linked.files.iter().map(|file| &file.path))
+            {
                 return Ok(Arc::clone(module));
             }
         }
@@ -86,18 +101,29 @@ pub fn demand(
     let mut is_done: Vec<bool> = vec![false; graph.nodes.len()];
     while let Some(id) = next_open(&graph, &is_done) {
         is_done[id] = true;
-        let Some(kind) = graph.nodes[id].kind().cloned() else { continue };
+        let Some(kind) = graph.nodes[id].kind().cloned() else {
+            continue;
+        };
         let Some(spec) = kind.program(&NodeContext::new(&graph, id, limits)) else {
             let used = |_: &str| true;
             call_for(&mut graph, id, registry, &mut made, used, &mut findings);
             is_done.resize(graph.nodes.len(), false);
             continue;
         };
-        let Some(program) = findings.take_all(program(&graph.nodes[id], spec, shaders)) else { continue };
+        let Some(program) = findings.take_all(program(&graph.nodes[id], spec, shaders)) else {
+            continue;
+        };
         graph.nodes[id].program = Some(program.clone());
         let specs = graph.nodes[id].specs();
         graph.nodes[id].fill_params(&specs);
-        call_for(&mut graph, id, registry, &mut made, |name| program.uses(name), &mut findings);
+        call_for(
+            &mut graph,
+            id,
+            registry,
+            &mut made,
+            |name| program.uses(name),
+            &mut findings,
+        );
         is_done.resize(graph.nodes.len(), false);
     }
     findings.into_result(graph)
@@ -106,18 +132,31 @@ pub fn demand(
 /// A node that is not done and whose readers all are; any one where a cycle leaves no such node.
 fn next_open(graph: &Graph, is_done: &[bool]) -> Option<NodeId> {
     let mut is_read = vec![false; graph.nodes.len()];
-    for (reader, node) in graph.nodes.iter().enumerate().filter(|(reader, _)| !is_done[*reader]) {
+    for (reader, node) in graph
+        .nodes
+        .iter()
+        .enumerate()
+        .filter(|(reader, _)| !is_done[*reader])
+    {
         for link in node.inputs.values().filter(|link| link.node != reader) {
             is_read[link.node] = true;
         }
     }
     let mut open = (0..graph.nodes.len()).filter(|id| !is_done[*id]);
-    open.clone().find(|id| !is_read[*id]).or_else(|| open.next())
+    open.clone()
+        .find(|id| !is_read[*id])
+        .or_else(|| open.next())
 }
 
 fn program(node: &Node, spec: ProgramSpec, shaders: &ShaderLibrary) -> Result<Program, Findings> {
-    let slots = node.slots.iter().map(|(name, slot)| (name.clone(), slot.choice.clone())).collect();
-    let module = shaders.module(&spec, &slots).map_err(|findings| at_choice(node, findings))?;
+    let slots = node
+        .slots
+        .iter()
+        .map(|(name, slot)| (name.clone(), slot.choice.clone()))
+        .collect();
+    let module = shaders
+        .module(&spec, &slots)
+        .map_err(|findings| at_choice(node, findings))?;
     let mut findings = Findings::new();
     let known = module.entry_points();
     let mut bindings = BTreeMap::new();
@@ -126,12 +165,19 @@ fn program(node: &Node, spec: ProgramSpec, shaders: &ShaderLibrary) -> Result<Pr
             bindings.insert(entry, module.used_bindings(entry));
         } else {
             findings.push(
-                Finding::error("missing-entry", format!("`{}` has no entry point `{entry}`", spec.root))
-                    .at(Place::whole_file(spec.root)),
+                Finding::error(
+                    "missing-entry",
+                    format!("`{}` has no entry point `{entry}`", spec.root),
+                )
+                .at(Place::whole_file(spec.root)),
             );
         }
     }
-    findings.into_result(Program { spec, module, bindings })
+    findings.into_result(Program {
+        spec,
+        module,
+        bindings,
+    })
 }
 
 /// A finding about a slot's choice without a place of its own stands where the graph makes that choice.
@@ -167,9 +213,13 @@ fn call_for(
     used: impl Fn(&str) -> bool,
     findings: &mut Findings,
 ) {
-    let Some(kind) = graph.nodes[id].kind().cloned() else { return };
+    let Some(kind) = graph.nodes[id].kind().cloned() else {
+        return;
+    };
     for port in kind.inputs() {
-        let is_bound = kind.program(&NodeContext::new(graph, id, &Limits::default())).is_some();
+        let is_bound = kind
+            .program(&NodeContext::new(graph, id, &Limits::default()))
+            .is_some();
         match port.requirement {
             Requirement::Demanded(demand) => {
                 if !used(port.name) {
@@ -196,7 +246,13 @@ fn is_texture(ty: crate::PortType) -> bool {
     use crate::PortType as P;
     matches!(
         ty,
-        P::Color | P::Scalar2d | P::Table1d | P::Table2d | P::VolumeTexture | P::GradientTexture | P::ImageTexture
+        P::Color
+            | P::Scalar2d
+            | P::Table1d
+            | P::Table2d
+            | P::VolumeTexture
+            | P::GradientTexture
+            | P::ImageTexture
     )
 }
 
@@ -218,16 +274,22 @@ fn fulfil(
     let Some(kind) = registry.node(demand.kind) else {
         return Err(at(Finding::error(
             "unknown-kind",
-            format!("binding `{port}` calls for a node of kind `{}`, which is not registered", demand.kind),
+            format!(
+                "binding `{port}` calls for a node of kind `{}`, which is not registered",
+                demand.kind
+            ),
         )));
     };
     let mut inputs = BTreeMap::new();
     for (theirs, mine) in demand.inputs {
         let Some(link) = by.inputs.get(*mine) else {
-            let used_at = by
-                .program
-                .as_ref()
-                .and_then(|program| program.used().into_iter().find(|binding| binding.name == port).cloned());
+            let used_at = by.program.as_ref().and_then(|program| {
+                program
+                    .used()
+                    .into_iter()
+                    .find(|binding| binding.name == port)
+                    .cloned()
+            });
             let finding = at(Finding::error(
                 "missing-input",
                 format!("node `{}` needs its input `{mine}`: its shader uses `{port}`, which is made of it", by.name),
@@ -238,7 +300,13 @@ fn fulfil(
                 None => finding,
             });
         };
-        inputs.insert((*theirs).to_owned(), Link { place: None, ..link.clone() });
+        inputs.insert(
+            (*theirs).to_owned(),
+            Link {
+                place: None,
+                ..link.clone()
+            },
+        );
     }
     let mut slots = default_slots(kind.as_ref());
     for (theirs, mine) in demand.slots {
@@ -249,9 +317,17 @@ fn fulfil(
     let mut given = IndexMap::new();
     for (theirs, mine) in demand.params {
         if let Some(value) = by.params.get(*mine) {
-            let place = by.given.get(*mine).map(|given| given.place.clone()).or_else(|| place.clone());
+            let place = by
+                .given
+                .get(*mine)
+                .map(|given| given.place.clone())
+                .or_else(|| place.clone());
             let place = place.unwrap_or_else(|| Place::whole_file(""));
-            let desc = ParamDesc { value: value.clone(), name_place: place.clone(), place };
+            let desc = ParamDesc {
+                value: value.clone(),
+                name_place: place.clone(),
+                place,
+            };
             given.insert((*theirs).to_owned(), desc);
         }
     }
@@ -262,20 +338,37 @@ fn fulfil(
         given,
         params: BTreeMap::new(),
         slots,
-        origin: Origin::Demanded { by: id, binding: port.to_owned() },
+        origin: Origin::Demanded {
+            by: id,
+            binding: port.to_owned(),
+        },
         program: None,
     };
     node.fill_params(&kind.params());
-    let output = node.output_types().first().map(|(name, _)| (*name).to_owned()).unwrap_or_default();
-    let link = |node| Link { node, port: output.clone(), place: None };
+    let output = node
+        .output_types()
+        .first()
+        .map(|(name, _)| (*name).to_owned())
+        .unwrap_or_default();
+    let link = |node| Link {
+        node,
+        port: output.clone(),
+        place: None,
+    };
     // What a node was called for with, not what it has become: its own shader adds inputs and parameters.
     let key = key(&node);
     if let Some(existing) = made.get(&key) {
         return Ok(link(*existing));
     }
     if made.len() >= MAX_DEMANDED {
-        return Err(at(Finding::error("too-large", format!("shaders call for more than {MAX_DEMANDED} nodes"))
-            .help(format!("does kind `{}` call for itself with ever new inputs?", demand.kind))));
+        return Err(at(Finding::error(
+            "too-large",
+            format!("shaders call for more than {MAX_DEMANDED} nodes"),
+        )
+        .help(format!(
+            "does kind `{}` call for itself with ever new inputs?",
+            demand.kind
+        ))));
     }
     node.name = unique_name(graph, &format!("{}.{}", by.name, demand.kind));
     graph.nodes.push(node);
@@ -290,9 +383,21 @@ const MAX_DEMANDED: usize = 1024;
 type Made = BTreeMap<String, NodeId>;
 
 fn key(node: &Node) -> String {
-    let inputs: Vec<_> = node.inputs.iter().map(|(port, link)| (port, link.node, &link.port)).collect();
-    let given: BTreeMap<_, _> = node.given.iter().map(|(name, given)| (name, &given.value)).collect();
-    let slots: Vec<_> = node.slots.iter().map(|(slot, choice)| (slot, &choice.choice)).collect();
+    let inputs: Vec<_> = node
+        .inputs
+        .iter()
+        .map(|(port, link)| (port, link.node, &link.port))
+        .collect();
+    let given: BTreeMap<_, _> = node
+        .given
+        .iter()
+        .map(|(name, given)| (name, &given.value))
+        .collect();
+    let slots: Vec<_> = node
+        .slots
+        .iter()
+        .map(|(slot, choice)| (slot, &choice.choice))
+        .collect();
     format!("{:?}", (node.kind_name(), inputs, given, slots))
 }
 

@@ -40,7 +40,12 @@ impl Hasher {
 
 /// The fingerprints of all nodes for one view.
 #[must_use]
-pub fn fingerprints(graph: &Graph, order: &[NodeId], resources: &Resources, view: &View) -> BTreeMap<NodeId, Digest> {
+pub fn fingerprints(
+    graph: &Graph,
+    order: &[NodeId],
+    resources: &Resources,
+    view: &View,
+) -> BTreeMap<NodeId, Digest> {
     let mut fingerprints: BTreeMap<NodeId, Digest> = BTreeMap::new();
     for &id in order {
         let node = &graph.nodes[id];
@@ -61,7 +66,11 @@ pub fn fingerprints(graph: &Graph, order: &[NodeId], resources: &Resources, view
                     }
                 }
                 // A node without a shader may follow the camera as well.
-                let reads = |uniform: &str| node.program.as_ref().is_some_and(|program| program.uses(uniform));
+                let reads = |uniform: &str| {
+                    node.program
+                        .as_ref()
+                        .is_some_and(|program| program.uses(uniform))
+                };
                 if reads("lens") || kind.passes_follow_camera() {
                     part(format!("{:?}", view.lens()).as_bytes());
                 }
@@ -73,7 +82,9 @@ pub fn fingerprints(graph: &Graph, order: &[NodeId], resources: &Resources, view
                     part(link.port.as_bytes());
                     part(&fingerprints[&link.node]);
                 }
-                for ((_, port), resource) in resources.range((id, String::new())..(id + 1, String::new())) {
+                for ((_, port), resource) in
+                    resources.range((id, String::new())..(id + 1, String::new()))
+                {
                     part(port.as_bytes());
                     part(format!("{resource:?}").as_bytes());
                 }

@@ -101,7 +101,10 @@ impl Program {
     /// Whether an entry point uses a binding of this name.
     #[must_use]
     pub fn uses(&self, name: &str) -> bool {
-        self.bindings.values().flatten().any(|binding| binding.name == name)
+        self.bindings
+            .values()
+            .flatten()
+            .any(|binding| binding.name == name)
     }
 
     /// The bindings that any of the entry points uses, each once.
@@ -120,7 +123,11 @@ impl Node {
     pub fn output_types(&self) -> Vec<(&'static str, PortType)> {
         match &self.body {
             NodeBody::Source(source) => vec![(SOURCE_PORT, source.ty())],
-            NodeBody::Kind(kind) => kind.outputs().iter().map(|port| (port.name, port.ty)).collect(),
+            NodeBody::Kind(kind) => kind
+                .outputs()
+                .iter()
+                .map(|port| (port.name, port.ty))
+                .collect(),
         }
     }
 
@@ -165,8 +172,14 @@ impl Node {
     /// reported by [`crate::check`].
     pub fn fill_params(&mut self, specs: &[ParamSpec]) {
         for spec in specs {
-            let given = self.given.get(&spec.name).and_then(|given| spec.check(&given.value).ok());
-            self.params.insert(spec.name.clone(), given.unwrap_or_else(|| spec.default.clone()));
+            let given = self
+                .given
+                .get(&spec.name)
+                .and_then(|given| spec.check(&given.value).ok());
+            self.params.insert(
+                spec.name.clone(),
+                given.unwrap_or_else(|| spec.default.clone()),
+            );
         }
     }
 }
@@ -199,7 +212,11 @@ impl Graph {
     pub fn wanted(&self, id: NodeId) -> BTreeSet<&str> {
         self.outputs
             .values()
-            .chain(self.live().into_iter().flat_map(|reader| self.nodes[reader].inputs.values()))
+            .chain(
+                self.live()
+                    .into_iter()
+                    .flat_map(|reader| self.nodes[reader].inputs.values()),
+            )
             .filter(|link| link.node == id)
             .map(|link| link.port.as_str())
             .collect()

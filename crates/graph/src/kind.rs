@@ -187,7 +187,11 @@ pub trait NodeKind: Send + Sync {
 
     /// The output ports that the node writes where these are wanted of it: at least those.
     fn written(&self, wanted: &BTreeSet<&str>) -> Vec<&'static str> {
-        self.outputs().iter().map(|port| port.name).filter(|name| wanted.contains(name)).collect()
+        self.outputs()
+            .iter()
+            .map(|port| port.name)
+            .filter(|name| wanted.contains(name))
+            .collect()
     }
 
     /// What is written at an output port.
@@ -201,8 +205,11 @@ pub trait NodeKind: Send + Sync {
     /// # Errors
     /// Why there is none.
     fn uniform(&self, name: &str, node: &NodeContext<'_>) -> Result<Uniform, Finding> {
-        Err(Finding::error("internal", format!("`{}` fills no uniform `{name}`", self.name()))
-            .help(format!("node `{}` uses it", node.name())))
+        Err(Finding::error(
+            "internal",
+            format!("`{}` fills no uniform `{name}`", self.name()),
+        )
+        .help(format!("node `{}` uses it", node.name())))
     }
 
     /// What is done in a frame.
@@ -251,14 +258,21 @@ impl Folders {
     /// The graph's folder, then the others in their order.
     #[must_use]
     pub fn new(graph: impl Into<PathBuf>, data: &[PathBuf]) -> Self {
-        Self(std::iter::once(graph.into()).chain(data.iter().cloned()).collect())
+        Self(
+            std::iter::once(graph.into())
+                .chain(data.iter().cloned())
+                .collect(),
+        )
     }
 
     /// The first folder's file that is there; where none is, the one in the graph's folder.
     #[must_use]
     pub fn find(&self, path: &str) -> PathBuf {
         let in_folders = || self.0.iter().map(|folder| folder.join(path));
-        in_folders().find(|file| file.exists()).or_else(|| in_folders().next()).unwrap_or_else(|| path.into())
+        in_folders()
+            .find(|file| file.exists())
+            .or_else(|| in_folders().next())
+            .unwrap_or_else(|| path.into())
     }
 }
 
@@ -307,7 +321,13 @@ pub(crate) struct FrameContext<'g> {
 
 impl<'g> NodeContext<'g> {
     pub(crate) fn new(graph: &'g Graph, id: NodeId, limits: &'g Limits) -> Self {
-        Self { graph, id, limits, resources: None, frame: None }
+        Self {
+            graph,
+            id,
+            limits,
+            resources: None,
+            frame: None,
+        }
     }
 
     fn node(&self) -> &'g crate::Node {
@@ -337,7 +357,10 @@ impl<'g> NodeContext<'g> {
     pub fn float(&self, name: &str) -> f64 {
         match self.param(name) {
             Some(ParamValue::Float(value)) => *value,
-            #[expect(clippy::cast_precision_loss, reason = "parameters are small whole numbers")]
+            #[expect(
+                clippy::cast_precision_loss,
+                reason = "parameters are small whole numbers"
+            )]
             Some(ParamValue::Int(value)) => *value as f64,
             _ => 0.0,
         }
@@ -376,7 +399,10 @@ impl<'g> NodeContext<'g> {
     /// The choice of a slot.
     #[must_use]
     pub fn slot(&self, name: &str) -> &'g str {
-        self.node().slots.get(name).map_or("", |choice| choice.choice.as_str())
+        self.node()
+            .slots
+            .get(name)
+            .map_or("", |choice| choice.choice.as_str())
     }
 
     /// The source of type `T` that an input port is connected to.
@@ -403,19 +429,30 @@ impl<'g> NodeContext<'g> {
     #[must_use]
     pub fn writer(&self, port: &str) -> Option<NodeContext<'g>> {
         let link = self.node().inputs.get(port)?;
-        Some(NodeContext { id: link.node, ..*self })
+        Some(NodeContext {
+            id: link.node,
+            ..*self
+        })
     }
 
     /// Whether one of the entry points uses a binding of this name.
     #[must_use]
     pub fn uses_binding(&self, name: &str) -> bool {
-        self.node().program.as_ref().is_some_and(|program| program.uses(name))
+        self.node()
+            .program
+            .as_ref()
+            .is_some_and(|program| program.uses(name))
     }
 
     /// A binding that one of the entry points uses.
     #[must_use]
     pub fn binding(&self, name: &str) -> Option<&'g Binding> {
-        self.node().program.as_ref()?.used().into_iter().find(|binding| binding.name == name)
+        self.node()
+            .program
+            .as_ref()?
+            .used()
+            .into_iter()
+            .find(|binding| binding.name == name)
     }
 
     /// The sized resource at an output port; known from the size phase on.
@@ -428,7 +465,9 @@ impl<'g> NodeContext<'g> {
     #[must_use]
     pub fn input_resource(&self, port: &str) -> Option<ResourceKind> {
         let link = self.node().inputs.get(port)?;
-        self.resources?.get(&(link.node, link.port.clone())).copied()
+        self.resources?
+            .get(&(link.node, link.port.clone()))
+            .copied()
     }
 
     /// The frame's view; `None` outside of recording.

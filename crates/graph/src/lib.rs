@@ -36,8 +36,8 @@ pub use desc::{EdgeDesc, GraphDesc, NodeDesc, ParamDesc, SourceDesc};
 pub use fingerprint::{Digest, hex};
 pub use graph::{Graph, Link, Node, NodeBody, NodeId, Origin, Program};
 pub use kind::{
-    Demand, Folders, InputPort, NodeContext, NodeKind, OutputPort, PortType, ProgramSpec, Progress, Requirement, SlotSpec, Source,
-    SourceKind, Uniform,
+    Demand, Folders, InputPort, NodeContext, NodeKind, OutputPort, PortType, ProgramSpec, Progress,
+    Requirement, SlotSpec, Source, SourceKind, Uniform,
 };
 pub use pass::{Mesh, Pass, UploadBytes};
 pub use plan::{Allocation, Limits, Plan, PlanRequest, PlannedNode, PlannedResource};

@@ -16,9 +16,17 @@ pub fn following_camera(graph: &Graph, order: &[NodeId]) -> BTreeSet<NodeId> {
     let mut following = BTreeSet::new();
     for &id in order {
         let node = &graph.nodes[id];
-        let itself = node.program.as_ref().is_some_and(|program| program.uses("camera"))
+        let itself = node
+            .program
+            .as_ref()
+            .is_some_and(|program| program.uses("camera"))
             || node.kind().is_some_and(|kind| kind.passes_follow_camera());
-        if itself || node.inputs.values().any(|link| following.contains(&link.node)) {
+        if itself
+            || node
+                .inputs
+                .values()
+                .any(|link| following.contains(&link.node))
+        {
             following.insert(id);
         }
     }
@@ -33,11 +41,14 @@ pub fn lifetime(
     resources: &Resources,
     following: &BTreeSet<NodeId>,
 ) -> (BTreeMap<(NodeId, String), usize>, Vec<Allocation>) {
-    let position: BTreeMap<NodeId, usize> = order.iter().enumerate().map(|(at, id)| (*id, at)).collect();
+    let position: BTreeMap<NodeId, usize> =
+        order.iter().enumerate().map(|(at, id)| (*id, at)).collect();
     let mut last_read: BTreeMap<(NodeId, &str), usize> = BTreeMap::new();
     for (id, node) in graph.nodes.iter().enumerate() {
         for link in node.inputs.values() {
-            let read = last_read.entry((link.node, link.port.as_str())).or_default();
+            let read = last_read
+                .entry((link.node, link.port.as_str()))
+                .or_default();
             *read = (*read).max(position[&id]);
         }
     }
@@ -58,12 +69,18 @@ pub fn lifetime(
                     && busy_until[a] < at
             });
             let allocation = free.unwrap_or_else(|| {
-                allocations.push(Allocation { resource: *resource, is_transient, users: Vec::new() });
+                allocations.push(Allocation {
+                    resource: *resource,
+                    is_transient,
+                    users: Vec::new(),
+                });
                 busy_until.push(0);
                 allocations.len() - 1
             });
             busy_until[allocation] = until;
-            allocations[allocation].users.push(format!("{}.{port}", graph.nodes[id].name));
+            allocations[allocation]
+                .users
+                .push(format!("{}.{port}", graph.nodes[id].name));
             assigned.insert((id, port.clone()), allocation);
         }
     }

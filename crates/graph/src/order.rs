@@ -9,7 +9,11 @@ pub fn order(graph: &Graph) -> Vec<NodeId> {
     let mut is_done = vec![false; graph.nodes.len()];
     while order.len() < graph.nodes.len() {
         let next = (0..graph.nodes.len()).find(|&id| {
-            !is_done[id] && graph.nodes[id].inputs.values().all(|link| is_done[link.node])
+            !is_done[id]
+                && graph.nodes[id]
+                    .inputs
+                    .values()
+                    .all(|link| is_done[link.node])
         });
         let Some(next) = next else { break };
         is_done[next] = true;

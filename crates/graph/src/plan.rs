@@ -176,10 +176,18 @@ impl Plan {
     pub fn build(request: PlanRequest<'_>) -> Result<Self, Findings> {
         let mut resolved = resolve(request.desc, request.sources, request.registry)?;
         for (name, of, port) in request.extra_outputs {
-            let Some(link) = resolved.outputs.get(*of).cloned() else { continue };
-            let has_port = resolved.nodes[link.node].output_types().iter().any(|(name, _)| name == port);
+            let Some(link) = resolved.outputs.get(*of).cloned() else {
+                continue;
+            };
+            let has_port = resolved.nodes[link.node]
+                .output_types()
+                .iter()
+                .any(|(name, _)| name == port);
             if has_port && !resolved.outputs.contains_key(*name) {
-                let link = crate::Link { port: (*port).to_owned(), ..link };
+                let link = crate::Link {
+                    port: (*port).to_owned(),
+                    ..link
+                };
                 resolved.outputs.insert((*name).to_owned(), link);
             }
         }
@@ -211,7 +219,11 @@ impl Plan {
         let view = self.view();
         let mut findings = Findings::new();
         for &id in &self.order {
-            for binding in self.graph.nodes[id].program.iter().flat_map(|program| program.used()) {
+            for binding in self.graph.nodes[id]
+                .program
+                .iter()
+                .flat_map(|program| program.used())
+            {
                 if matches!(binding.kind, BindingKind::Uniform(_)) {
                     findings.take(self.uniform_bytes(id, binding, &view, None));
                 }
@@ -237,13 +249,19 @@ impl Plan {
     /// The graph's camera, fitted to its volumes.
     #[must_use]
     pub fn view(&self) -> View {
-        View { camera: self.fit(&self.camera), size: self.size }
+        View {
+            camera: self.fit(&self.camera),
+            size: self.size,
+        }
     }
 
     /// A camera fitted to the graph's volumes.
     #[must_use]
     pub fn fit(&self, camera: &CameraDesc) -> Camera {
-        camera.fit(&self.corners(), f64::from(self.size[0]) / f64::from(self.size[1].max(1)))
+        camera.fit(
+            &self.corners(),
+            f64::from(self.size[0]) / f64::from(self.size[1].max(1)),
+        )
     }
 
     /// The fingerprints of all nodes in a view.
@@ -254,7 +272,12 @@ impl Plan {
 
     /// A node as its kind sees it, in a frame.
     #[must_use]
-    pub fn context<'a>(&'a self, id: NodeId, view: &'a View, variant: Option<&'a str>) -> NodeContext<'a> {
+    pub fn context<'a>(
+        &'a self,
+        id: NodeId,
+        view: &'a View,
+        variant: Option<&'a str>,
+    ) -> NodeContext<'a> {
         NodeContext {
             resources: Some(&self.resources),
             frame: Some(FrameContext { view, variant }),
@@ -266,14 +289,22 @@ impl Plan {
     #[must_use]
     pub fn variants(&self, id: NodeId) -> Vec<&'static str> {
         let context = NodeContext::new(&self.graph, id, &self.limits);
-        self.graph.nodes[id].kind().map(|kind| kind.variants(&context)).unwrap_or_default()
+        self.graph.nodes[id]
+            .kind()
+            .map(|kind| kind.variants(&context))
+            .unwrap_or_default()
     }
 
     /// The passes of one node in a frame.
     ///
     /// # Errors
     /// What the kind refuses.
-    pub fn record(&self, id: NodeId, view: &View, variant: Option<&str>) -> Result<Vec<Pass>, Finding> {
+    pub fn record(
+        &self,
+        id: NodeId,
+        view: &View,
+        variant: Option<&str>,
+    ) -> Result<Vec<Pass>, Finding> {
         match self.graph.nodes[id].kind() {
             Some(kind) => kind.record(&self.context(id, view, variant)),
             None => Ok(Vec::new()),
@@ -293,7 +324,10 @@ impl Plan {
     ) -> Result<Vec<u8>, Finding> {
         let node = &self.graph.nodes[id];
         let BindingKind::Uniform(layout) = &binding.kind else {
-            return Err(Finding::error("internal", format!("`{}` is no uniform", binding.name)));
+            return Err(Finding::error(
+                "internal",
+                format!("`{}` is no uniform", binding.name),
+            ));
         };
         let mut writer = UniformWriter::new(layout);
         let mut result = Ok(());
@@ -320,40 +354,59 @@ impl Plan {
             }
         }
         result.and_then(|()| writer.finish()).map_err(|error| {
-            Finding::error("uniform", format!("uniform `{}`: {error}", binding.name)).at(binding.place.clone())
+            Finding::error("uniform", format!("uniform `{}`: {error}", binding.name))
+                .at(binding.place.clone())
         })
     }
 
     /// The nodes in their order, for printing.
     #[must_use]
     pub fn nodes(&self) -> Vec<PlannedNode> {
-        self.order.iter().filter(|id| !self.graph.nodes[**id].is_source()).map(|id| self.planned(*id)).collect()
+        self.order
+            .iter()
+            .filter(|id| !self.graph.nodes[**id].is_source())
+            .map(|id| self.planned(*id))
+            .collect()
     }
 
     fn planned(&self, id: NodeId) -> PlannedNode {
         let node = &self.graph.nodes[id];
         let name_of = |link: &crate::Link| {
             let writer = &self.graph.nodes[link.node];
-            if writer.is_source() { writer.name.clone() } else { format!("{}.{}", writer.name, link.port) }
+            if writer.is_source() {
+                writer.name.clone()
+            } else {
+                format!("{}.{}", writer.name, link.port)
+            }
         };
-        let entries = node.program.iter().flat_map(|program| &program.bindings).map(|(entry, bindings)| {
-            let planned = bindings.iter().filter_map(|binding| {
-                Some(PlannedBinding {
-                    name: binding.name.clone(),
-                    group: binding.group,
-                    binding: binding.binding,
-                    source: binding_source(node, binding).ok()?,
-                })
+        let entries = node
+            .program
+            .iter()
+            .flat_map(|program| &program.bindings)
+            .map(|(entry, bindings)| {
+                let planned = bindings.iter().filter_map(|binding| {
+                    Some(PlannedBinding {
+                        name: binding.name.clone(),
+                        group: binding.group,
+                        binding: binding.binding,
+                        source: binding_source(node, binding).ok()?,
+                    })
+                });
+                ((*entry).to_owned(), planned.collect())
             });
-            ((*entry).to_owned(), planned.collect())
-        });
         let imported = |slot: &str| {
-            node.program.as_ref().is_some_and(|program| program.module.linked.slots_used.contains_key(slot))
+            node.program
+                .as_ref()
+                .is_some_and(|program| program.module.linked.slots_used.contains_key(slot))
         };
         PlannedNode {
             name: node.name.clone(),
             kind: node.kind_name(),
-            inputs: node.inputs.iter().map(|(port, link)| (port.clone(), name_of(link))).collect(),
+            inputs: node
+                .inputs
+                .iter()
+                .map(|(port, link)| (port.clone(), name_of(link)))
+                .collect(),
             params: node.params.clone(),
             slots: node
                 .slots
@@ -372,9 +425,10 @@ impl Plan {
                 })
                 .collect(),
             called_for_by: match &node.origin {
-                crate::Origin::Demanded { by, binding } => {
-                    Some(format!("{} (binding {binding})", self.graph.nodes[*by].name))
-                }
+                crate::Origin::Demanded { by, binding } => Some(format!(
+                    "{} (binding {binding})",
+                    self.graph.nodes[*by].name
+                )),
                 crate::Origin::File(_) => None,
             },
             follows_camera: self.following_camera.contains(&id),
@@ -387,8 +441,14 @@ fn lens_members(view: &View) -> Uniform {
     let lens = view.lens();
     vec![
         ("size", UniformValue::Vec2(lens.size.map(|n| n as f32))),
-        ("half_extent", UniformValue::Vec2(lens.half_extent.map(|n| n as f32))),
-        ("is_orthographic", UniformValue::U32(u32::from(lens.is_orthographic))),
+        (
+            "half_extent",
+            UniformValue::Vec2(lens.half_extent.map(|n| n as f32)),
+        ),
+        (
+            "is_orthographic",
+            UniformValue::U32(u32::from(lens.is_orthographic)),
+        ),
     ]
 }
 

@@ -11,14 +11,38 @@ use crate::resource::ResourceKind;
 
 /// What renderers disagree on, and what volgraph does: printed with every plan and stored in every picture.
 pub const CONVENTIONS: &[(&str, &str)] = &[
-    ("space", "samples at voxel centres; the box spans whole voxels, clamped in the outer half voxel, unless node_centred"),
-    ("world", "LPS: +x to the patient's left, +y to posterior, +z to superior"),
-    ("optical model", "emission and absorption; linear RGB and extinction in f32; opacity 1 is extinction 16 per reference length"),
-    ("scalar", "data units; a normalised transfer function spans the stored type's range, for floats the data's"),
-    ("steps", "in voxels of the smallest spacing; whole segments, exact tail; no jitter"),
-    ("color", "linear, premultiplied; PNG is sRGB-encoded, EXR is linear"),
-    ("depth", "world distance from the eye along the ray to where the opacity reaches one half; infinite where it does not"),
-    ("not a number", "voxels that are not numbers are read as the smallest value; counted and reported"),
+    (
+        "space",
+        "samples at voxel centres; the box spans whole voxels, clamped in the outer half voxel, unless node_centred",
+    ),
+    (
+        "world",
+        "LPS: +x to the patient's left, +y to posterior, +z to superior",
+    ),
+    (
+        "optical model",
+        "emission and absorption; linear RGB and extinction in f32; opacity 1 is extinction 16 per reference length",
+    ),
+    (
+        "scalar",
+        "data units; a normalised transfer function spans the stored type's range, for floats the data's",
+    ),
+    (
+        "steps",
+        "in voxels of the smallest spacing; whole segments, exact tail; no jitter",
+    ),
+    (
+        "color",
+        "linear, premultiplied; PNG is sRGB-encoded, EXR is linear",
+    ),
+    (
+        "depth",
+        "world distance from the eye along the ray to where the opacity reaches one half; infinite where it does not",
+    ),
+    (
+        "not a number",
+        "voxels that are not numbers are read as the smallest value; counted and reported",
+    ),
 ];
 
 impl Plan {
@@ -78,10 +102,22 @@ impl Plan {
         if !self.culled.is_empty() {
             writeln!(out, "culled: {}", self.culled.join(", "))?;
         }
-        let total: u64 = self.allocations.iter().map(|allocation| allocation.resource.bytes()).sum();
-        writeln!(out, "memory: {} allocations, {total} bytes", self.allocations.len())?;
+        let total: u64 = self
+            .allocations
+            .iter()
+            .map(|allocation| allocation.resource.bytes())
+            .sum();
+        writeln!(
+            out,
+            "memory: {} allocations, {total} bytes",
+            self.allocations.len()
+        )?;
         for (name, link) in &self.graph.outputs {
-            writeln!(out, "output {name} = {}.{}", self.graph.nodes[link.node].name, link.port)?;
+            writeln!(
+                out,
+                "output {name} = {}.{}",
+                self.graph.nodes[link.node].name, link.port
+            )?;
         }
         for (what, convention) in CONVENTIONS {
             writeln!(out, "convention {what}: {convention}")?;
@@ -113,11 +149,19 @@ impl Plan {
             .outputs
             .iter()
             .map(|(name, link)| {
-                (name.clone(), json!(format!("{}.{}", self.graph.nodes[link.node].name, link.port)))
+                (
+                    name.clone(),
+                    json!(format!(
+                        "{}.{}",
+                        self.graph.nodes[link.node].name, link.port
+                    )),
+                )
             })
             .collect();
-        let conventions: serde_json::Map<String, Value> =
-            CONVENTIONS.iter().map(|(what, says)| ((*what).to_owned(), json!(says))).collect();
+        let conventions: serde_json::Map<String, Value> = CONVENTIONS
+            .iter()
+            .map(|(what, says)| ((*what).to_owned(), json!(says)))
+            .collect();
         json!({
             "size": self.size,
             "sources": sources,
@@ -132,23 +176,41 @@ impl Plan {
     /// The plan as a drawing, in the DOT language.
     #[must_use]
     pub fn to_dot(&self) -> String {
-        let mut out = String::from("digraph plan {\n  rankdir=LR;\n  node [shape=box, fontname=\"sans-serif\"];\n");
-        let quoted = |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
+        let mut out = String::from(
+            "digraph plan {\n  rankdir=LR;\n  node [shape=box, fontname=\"sans-serif\"];\n",
+        );
+        let quoted =
+            |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
         for id in &self.order {
             let node = &self.graph.nodes[*id];
-            let style = if node.is_source() { "shape=ellipse" } else { "shape=box" };
-            let label = quoted(&format!("{}\n{}", node.name, node.kind_name())).replace('\n', "\\n");
-            out.push_str(&format!("  {} [{style}, label={label}];\n", quoted(&node.name)));
+            let style = if node.is_source() {
+                "shape=ellipse"
+            } else {
+                "shape=box"
+            };
+            let label =
+                quoted(&format!("{}\n{}", node.name, node.kind_name())).replace('\n', "\\n");
+            out.push_str(&format!(
+                "  {} [{style}, label={label}];\n",
+                quoted(&node.name)
+            ));
             for (port, link) in &node.inputs {
                 let from = quoted(&self.graph.nodes[link.node].name);
-                out.push_str(&format!("  {from} -> {} [label={}];\n", quoted(&node.name), quoted(port)));
+                out.push_str(&format!(
+                    "  {from} -> {} [label={}];\n",
+                    quoted(&node.name),
+                    quoted(port)
+                ));
             }
         }
         for (name, link) in &self.graph.outputs {
             let output = quoted(&format!("output {name}"));
             out.push_str(&format!("  {output} [shape=plaintext];\n"));
             let from = quoted(&self.graph.nodes[link.node].name);
-            out.push_str(&format!("  {from} -> {output} [label={}];\n", quoted(&link.port)));
+            out.push_str(&format!(
+                "  {from} -> {output} [label={}];\n",
+                quoted(&link.port)
+            ));
         }
         out.push_str("}\n");
         out
@@ -157,9 +219,21 @@ impl Plan {
 
 fn describe(resource: &ResourceKind) -> String {
     match resource {
-        ResourceKind::Texture { dimensions, extent, format } => {
-            let extent: Vec<String> = extent.iter().take(usize::from(*dimensions)).map(u32::to_string).collect();
-            format!("texture {} {format:?}, {} bytes", extent.join("x"), resource.bytes())
+        ResourceKind::Texture {
+            dimensions,
+            extent,
+            format,
+        } => {
+            let extent: Vec<String> = extent
+                .iter()
+                .take(usize::from(*dimensions))
+                .map(u32::to_string)
+                .collect();
+            format!(
+                "texture {} {format:?}, {} bytes",
+                extent.join("x"),
+                resource.bytes()
+            )
         }
         ResourceKind::Buffer { bytes } => format!("buffer, {bytes} bytes"),
     }

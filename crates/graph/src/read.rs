@@ -26,10 +26,12 @@ const MAX_ENTRIES: usize = 1024;
 /// All findings, each with its place; `too-large` for a text over 256 KiB, or more than 1024 nodes or sources.
 pub fn graph(file: &Path, text: &str) -> Result<GraphDesc, Findings> {
     if text.len() > MAX_TEXT_BYTES {
-        return Err(Finding::error("too-large", "a graph of more than 256 KiB is refused")
-            .at(Place::whole_file(file))
-            .help("split it, or check that this is a graph file")
-            .into());
+        return Err(
+            Finding::error("too-large", "a graph of more than 256 KiB is refused")
+                .at(Place::whole_file(file))
+                .help("split it, or check that this is a graph file")
+                .into(),
+        );
     }
     let document = Document::parse(file, text)?;
     let mut findings = Findings::new();
@@ -49,9 +51,12 @@ pub fn graph(file: &Path, text: &str) -> Result<GraphDesc, Findings> {
         for entry in named(&nodes, "nodes", &mut findings) {
             if let Some(first) = desc.sources.get(&entry.name) {
                 findings.push(
-                    Finding::error("duplicate", format!("`{}` is a source and a node", entry.name))
-                        .at(entry.name_place.clone())
-                        .related(first.place.clone(), "the source"),
+                    Finding::error(
+                        "duplicate",
+                        format!("`{}` is a source and a node", entry.name),
+                    )
+                    .at(entry.name_place.clone())
+                    .related(first.place.clone(), "the source"),
                 );
             }
             if let Some(node) = node(&entry, &mut findings) {
@@ -83,23 +88,45 @@ pub fn camera(value: &Value<'_>) -> Result<CameraDesc, Findings> {
     let mut findings = Findings::new();
     let mut fields = Fields::new(entries);
     let default = CameraDesc::default();
-    let up = fields.read(&mut findings, "up", Value::f64s::<3>).map_or(default.up, DVec3::from_array);
-    let target = fields.read(&mut findings, "target", Value::f64s::<3>).map(DVec3::from_array);
+    let up = fields
+        .read(&mut findings, "up", Value::f64s::<3>)
+        .map_or(default.up, DVec3::from_array);
+    let target = fields
+        .read(&mut findings, "target", Value::f64s::<3>)
+        .map(DVec3::from_array);
     let projection = projection(&mut fields, &mut findings);
     let pose = match name.as_str() {
         "orbit" => {
-            let mut number = |name, default| fields.read(&mut findings, name, Value::f64).unwrap_or(default);
-            let (azimuth, elevation, roll) =
-                (number("azimuth", 0.0), number("elevation", 0.0), number("roll", 0.0));
+            let mut number = |name, default| {
+                fields
+                    .read(&mut findings, name, Value::f64)
+                    .unwrap_or(default)
+            };
+            let (azimuth, elevation, roll) = (
+                number("azimuth", 0.0),
+                number("elevation", 0.0),
+                number("roll", 0.0),
+            );
             let distance = fields.read(&mut findings, "distance", |value| {
                 positive(value, value.f64()?, "a distance")
             });
-            Pose::Orbit { azimuth, elevation, roll, distance, target }
+            Pose::Orbit {
+                azimuth,
+                elevation,
+                roll,
+                distance,
+                target,
+            }
         }
         "look_at" => {
-            let eye = fields.read(&mut findings, "eye", Value::f64s::<3>).map(DVec3::from_array);
+            let eye = fields
+                .read(&mut findings, "eye", Value::f64s::<3>)
+                .map(DVec3::from_array);
             if eye.is_none() && !findings.has_errors() {
-                findings.push(value.error("missing-field", "`look_at` needs the field `eye: (x, y, z)`"));
+                findings.push(value.error(
+                    "missing-field",
+                    "`look_at` needs the field `eye: (x, y, z)`",
+                ));
             }
             let eye = eye.unwrap_or(DVec3::ONE);
             if target == Some(eye) {
@@ -118,7 +145,11 @@ pub fn camera(value: &Value<'_>) -> Result<CameraDesc, Findings> {
         findings.push(value.error("camera", "`up` has no length"));
     }
     fields.finish(&mut findings);
-    findings.into_result(CameraDesc { pose, up, projection })
+    findings.into_result(CameraDesc {
+        pose,
+        up,
+        projection,
+    })
 }
 
 /// Reads a camera from a text of its own.
@@ -153,23 +184,38 @@ fn projection(fields: &mut Fields<'_>, findings: &mut Findings) -> Projection {
         if degrees > 0.0 && degrees < 180.0 {
             Ok((degrees, value.place()))
         } else {
-            Err(value.error("camera", format!("a field of view of {degrees} degrees is not between 0 and 180")))
+            Err(value.error(
+                "camera",
+                format!("a field of view of {degrees} degrees is not between 0 and 180"),
+            ))
         }
     });
-    let height = fields.read(findings, "height", |value| positive(value, value.f64()?, "a height"));
+    let height = fields.read(findings, "height", |value| {
+        positive(value, value.f64()?, "a height")
+    });
     match (named.unwrap_or(height.is_some()), fov_y) {
         (true, None) => Projection::Orthographic { height },
         (true, Some((_, place))) => {
             let finding = Finding::error("camera", "an orthographic camera has no `fov_y`");
-            findings.push(finding.at(place).help("give `height`, in world units, or leave both out"));
+            findings.push(
+                finding
+                    .at(place)
+                    .help("give `height`, in world units, or leave both out"),
+            );
             Projection::Orthographic { height }
         }
-        (false, fov_y) => Projection::Perspective { fov_y: fov_y.map_or(30.0, |(degrees, _)| degrees) },
+        (false, fov_y) => Projection::Perspective {
+            fov_y: fov_y.map_or(30.0, |(degrees, _)| degrees),
+        },
     }
 }
 
 fn positive(value: &Value<'_>, number: f64, what: &str) -> Result<f64, Finding> {
-    if number > 0.0 { Ok(number) } else { Err(value.error("camera", format!("{what} of {number} is not above 0"))) }
+    if number > 0.0 {
+        Ok(number)
+    } else {
+        Err(value.error("camera", format!("{what} of {number} is not above 0")))
+    }
 }
 
 /// The entries of `sources` or `nodes`, their number and names checked.
@@ -177,12 +223,19 @@ fn named<'s>(value: &Value<'s>, what: &str, findings: &mut Findings) -> Vec<Entr
     let entries = findings.take_all(value.entries()).unwrap_or_default();
     if entries.len() > MAX_ENTRIES {
         let message = format!("a graph of more than {MAX_ENTRIES} {what} is refused");
-        findings.push(Finding::error("too-large", message).at(Place { length: 1, ..value.place() }));
+        findings.push(Finding::error("too-large", message).at(Place {
+            length: 1,
+            ..value.place()
+        }));
         return Vec::new();
     }
     for entry in &entries {
         // A dot separates a node from its port, in edges and on the command line.
-        if entry.name.is_empty() || entry.name.contains(|c: char| c == '.' || c == '=' || c.is_control()) {
+        if entry.name.is_empty()
+            || entry
+                .name
+                .contains(|c: char| c == '.' || c == '=' || c.is_control())
+        {
             let message = format!("`{}` cannot be a name", entry.name.escape_debug());
             findings.push(
                 Finding::error("bad-name", message)
@@ -198,36 +251,59 @@ fn source(entry: &Entry<'_>) -> Result<SourceDesc, Findings> {
     let (kind, entries) = entry.value.variant()?;
     let mut findings = Findings::new();
     let params = params(entries, &mut findings);
-    findings.into_result(SourceDesc { kind, params, place: entry.name_place.clone() })
+    findings.into_result(SourceDesc {
+        kind,
+        params,
+        place: entry.name_place.clone(),
+    })
 }
 
 fn node(entry: &Entry<'_>, findings: &mut Findings) -> Option<NodeDesc> {
     let mut fields = Fields::new(findings.take_all(entry.value.fields())?);
     let kind_value = fields.take("kind");
-    let inputs = fields.take("in").map(|value| edges(&value, findings)).unwrap_or_default();
+    let inputs = fields
+        .take("in")
+        .map(|value| edges(&value, findings))
+        .unwrap_or_default();
     let mut values = |name| {
-        let entries = fields.take(name).and_then(|value| findings.take_all(value.entries()));
+        let entries = fields
+            .take(name)
+            .and_then(|value| findings.take_all(value.entries()));
         params(entries.unwrap_or_default(), findings)
     };
     let (slots, params) = (values("slots"), values("params"));
     fields.finish(findings);
     let Some(kind_value) = kind_value else {
         findings.push(
-            Finding::error("missing-field", format!("node `{}` has no kind", entry.name))
-                .at(entry.name_place.clone())
-                .help("add `kind: \"…\"`; `volgraph nodes` lists the kinds"),
+            Finding::error(
+                "missing-field",
+                format!("node `{}` has no kind", entry.name),
+            )
+            .at(entry.name_place.clone())
+            .help("add `kind: \"…\"`; `volgraph nodes` lists the kinds"),
         );
         return None;
     };
     let kind = findings.take(kind_value.string())?;
-    Some(NodeDesc { kind, kind_place: kind_value.place(), inputs, slots, params, place: entry.name_place.clone() })
+    Some(NodeDesc {
+        kind,
+        kind_place: kind_value.place(),
+        inputs,
+        slots,
+        params,
+        place: entry.name_place.clone(),
+    })
 }
 
 fn edges(value: &Value<'_>, findings: &mut Findings) -> IndexMap<String, EdgeDesc> {
     let mut edges = IndexMap::new();
     for entry in findings.take_all(value.entries()).unwrap_or_default() {
         if let Some(from) = findings.take(entry.value.string()) {
-            let edge = EdgeDesc { from, name_place: entry.name_place, place: entry.value.place() };
+            let edge = EdgeDesc {
+                from,
+                name_place: entry.name_place,
+                place: entry.value.place(),
+            };
             edges.insert(entry.name, edge);
         }
     }
@@ -239,7 +315,14 @@ fn params(entries: Vec<Entry<'_>>, findings: &mut Findings) -> IndexMap<String, 
     for entry in entries {
         if let Some(value) = findings.take(param_value(&entry.value)) {
             let place = entry.value.place();
-            params.insert(entry.name, ParamDesc { value, name_place: entry.name_place, place });
+            params.insert(
+                entry.name,
+                ParamDesc {
+                    value,
+                    name_place: entry.name_place,
+                    place,
+                },
+            );
         }
     }
     params

@@ -74,7 +74,10 @@ impl Registry {
             program: None,
         };
         node.fill_params(&kind.params());
-        let graph = Graph { nodes: vec![node], outputs: IndexMap::new() };
+        let graph = Graph {
+            nodes: vec![node],
+            outputs: IndexMap::new(),
+        };
         kind.program(&NodeContext::new(&graph, 0, &Limits::default()))
     }
 
@@ -84,8 +87,16 @@ impl Registry {
     pub fn default_slots(&self) -> BTreeMap<String, String> {
         let mut slots = BTreeMap::new();
         for kind in self.nodes() {
-            slots.extend(kind.slots().iter().map(|slot| (slot.name.to_owned(), slot.default.to_owned())));
-            slots.extend(self.default_program(kind.name()).map(|program| program.fixed_slots).unwrap_or_default());
+            slots.extend(
+                kind.slots()
+                    .iter()
+                    .map(|slot| (slot.name.to_owned(), slot.default.to_owned())),
+            );
+            slots.extend(
+                self.default_program(kind.name())
+                    .map(|program| program.fixed_slots)
+                    .unwrap_or_default(),
+            );
         }
         slots
     }

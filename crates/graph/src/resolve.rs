@@ -25,17 +25,28 @@ pub fn resolve(
     let mut findings = Findings::new();
     let mut graph = Graph::default();
     for (name, source) in sources {
-        let origin = desc.sources.get(name).map(|source| Origin::File(source.place.clone()));
+        let origin = desc
+            .sources
+            .get(name)
+            .map(|source| Origin::File(source.place.clone()));
         if let Some(origin) = origin {
-            graph.nodes.push(node(name, NodeBody::Source(Arc::clone(source)), origin));
+            graph
+                .nodes
+                .push(node(name, NodeBody::Source(Arc::clone(source)), origin));
         }
     }
     for (name, node_desc) in &desc.nodes {
         let Some(kind) = registry.node(&node_desc.kind) else {
             findings.push(
-                Finding::error("unknown-kind", format!("unknown node kind `{}`", node_desc.kind))
-                    .at(node_desc.kind_place.clone())
-                    .help_opt(did_you_mean(&node_desc.kind, registry.nodes().map(|kind| kind.name()))),
+                Finding::error(
+                    "unknown-kind",
+                    format!("unknown node kind `{}`", node_desc.kind),
+                )
+                .at(node_desc.kind_place.clone())
+                .help_opt(did_you_mean(
+                    &node_desc.kind,
+                    registry.nodes().map(|kind| kind.name()),
+                )),
             );
             continue;
         };
@@ -78,28 +89,52 @@ fn node(name: &str, body: NodeBody, origin: Origin) -> Node {
 pub(crate) fn default_slots(kind: &dyn NodeKind) -> BTreeMap<String, SlotChoice> {
     kind.slots()
         .iter()
-        .map(|slot| (slot.name.to_owned(), SlotChoice { choice: slot.default.to_owned(), place: None }))
+        .map(|slot| {
+            (
+                slot.name.to_owned(),
+                SlotChoice {
+                    choice: slot.default.to_owned(),
+                    place: None,
+                },
+            )
+        })
         .collect()
 }
 
-fn slots(kind: &dyn NodeKind, desc: &NodeDesc, findings: &mut Findings) -> BTreeMap<String, SlotChoice> {
+fn slots(
+    kind: &dyn NodeKind,
+    desc: &NodeDesc,
+    findings: &mut Findings,
+) -> BTreeMap<String, SlotChoice> {
     let mut slots = default_slots(kind);
     for (name, given) in &desc.slots {
         let Some(slot) = slots.get_mut(name) else {
             findings.push(
-                Finding::error("unknown-slot", format!("node kind `{}` has no slot `{name}`", kind.name()))
-                    .at(given.name_place.clone())
-                    .help_opt(did_you_mean(name, kind.slots().iter().map(|slot| slot.name))),
+                Finding::error(
+                    "unknown-slot",
+                    format!("node kind `{}` has no slot `{name}`", kind.name()),
+                )
+                .at(given.name_place.clone())
+                .help_opt(did_you_mean(
+                    name,
+                    kind.slots().iter().map(|slot| slot.name),
+                )),
             );
             continue;
         };
         match &given.value {
             ParamValue::Text(choice) => {
-                *slot = SlotChoice { choice: choice.clone(), place: Some(given.place.clone()) };
+                *slot = SlotChoice {
+                    choice: choice.clone(),
+                    place: Some(given.place.clone()),
+                };
             }
             _ => findings.push(
-                Finding::error("wrong-type", format!("slot `{name}` takes a name in quotes"))
-                    .at(given.place.clone()),
+                Finding::error(
+                    "wrong-type",
+                    format!("slot `{name}` takes a name in quotes"),
+                )
+                .at(given.place.clone()),
             ),
         }
     }
@@ -114,13 +149,21 @@ fn inputs(
     findings: &mut Findings,
 ) -> BTreeMap<String, Link> {
     let mut inputs = BTreeMap::new();
-    let Some(kind) = graph.nodes[id].kind() else { return inputs };
+    let Some(kind) = graph.nodes[id].kind() else {
+        return inputs;
+    };
     for (port, edge) in &node_desc.inputs {
         if !kind.inputs().iter().any(|input| input.name == port) {
             findings.push(
-                Finding::error("unknown-port", format!("node kind `{}` has no input port `{port}`", kind.name()))
-                    .at(edge.name_place.clone())
-                    .help_opt(did_you_mean(port, kind.inputs().iter().map(|input| input.name))),
+                Finding::error(
+                    "unknown-port",
+                    format!("node kind `{}` has no input port `{port}`", kind.name()),
+                )
+                .at(edge.name_place.clone())
+                .help_opt(did_you_mean(
+                    port,
+                    kind.inputs().iter().map(|input| input.name),
+                )),
             );
         }
         if let Some(link) = findings.take(link(desc, graph, edge)).flatten() {
@@ -128,14 +171,21 @@ fn inputs(
         }
     }
     for input in kind.inputs() {
-        if input.requirement == Requirement::Required && !node_desc.inputs.contains_key(input.name) {
+        if input.requirement == Requirement::Required && !node_desc.inputs.contains_key(input.name)
+        {
             findings.push(
                 Finding::error(
                     "missing-input",
-                    format!("node `{}` needs its input `{}`: {}", graph.nodes[id].name, input.name, input.doc),
+                    format!(
+                        "node `{}` needs its input `{}`: {}",
+                        graph.nodes[id].name, input.name, input.doc
+                    ),
                 )
                 .at(node_desc.place.clone())
-                .help(format!("add `in: {{ \"{}\": \"…\" }}` with a writer of type {}", input.name, input.ty)),
+                .help(format!(
+                    "add `in: {{ \"{}\": \"…\" }}` with a writer of type {}",
+                    input.name, input.ty
+                )),
             );
         }
     }
@@ -152,10 +202,17 @@ fn link(desc: &GraphDesc, graph: &Graph, edge: &EdgeDesc) -> Result<Option<Link>
         if desc.nodes.contains_key(name) || desc.sources.contains_key(name) {
             return Ok(None);
         }
-        let known = desc.nodes.keys().chain(desc.sources.keys()).map(String::as_str);
-        return Err(Finding::error("unknown-node", format!("no node or source is named `{name}`"))
-            .at(edge.place.clone())
-            .help_opt(did_you_mean(name, known)));
+        let known = desc
+            .nodes
+            .keys()
+            .chain(desc.sources.keys())
+            .map(String::as_str);
+        return Err(Finding::error(
+            "unknown-node",
+            format!("no node or source is named `{name}`"),
+        )
+        .at(edge.place.clone())
+        .help_opt(did_you_mean(name, known)));
     };
     let types = graph.nodes[id].output_types();
     let found = match port {
@@ -163,14 +220,19 @@ fn link(desc: &GraphDesc, graph: &Graph, edge: &EdgeDesc) -> Result<Option<Link>
         None => types.first(),
     };
     match found {
-        Some((port, _)) => {
-            Ok(Some(Link { node: id, port: (*port).to_owned(), place: Some(edge.place.clone()) }))
-        }
+        Some((port, _)) => Ok(Some(Link {
+            node: id,
+            port: (*port).to_owned(),
+            place: Some(edge.place.clone()),
+        })),
         None => Err(Finding::error(
             "unknown-port",
             format!("`{name}` has no output port `{}`", port.unwrap_or_default()),
         )
         .at(edge.place.clone())
-        .help_opt(did_you_mean(port.unwrap_or_default(), types.iter().map(|(name, _)| *name)))),
+        .help_opt(did_you_mean(
+            port.unwrap_or_default(),
+            types.iter().map(|(name, _)| *name),
+        ))),
     }
 }

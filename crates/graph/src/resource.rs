@@ -62,7 +62,9 @@ impl ResourceKind {
         match self {
             Self::Texture { extent, format, .. } => {
                 // Saturating: three axes of 32 bits each pass 64 bits.
-                let texels = extent.iter().fold(1_u64, |product, &n| product.saturating_mul(n.into()));
+                let texels = extent
+                    .iter()
+                    .fold(1_u64, |product, &n| product.saturating_mul(n.into()));
                 texels.saturating_mul(format.block_copy_size(None).unwrap_or(4).into())
             }
             Self::Buffer { bytes } => *bytes,

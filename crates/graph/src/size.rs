@@ -16,13 +16,23 @@ pub type Resources = BTreeMap<(NodeId, String), ResourceKind>;
 ///
 /// # Errors
 /// What a kind refuses, and `over-limit`, with the limit's name, the size asked and what to do.
-pub fn size(graph: &Graph, order: &[NodeId], view: [u32; 2], limits: &Limits) -> Result<Resources, Findings> {
+pub fn size(
+    graph: &Graph,
+    order: &[NodeId],
+    view: [u32; 2],
+    limits: &Limits,
+) -> Result<Resources, Findings> {
     let mut findings = Findings::new();
     let mut resources = Resources::new();
     for &id in order {
-        let Some(kind) = graph.nodes[id].kind() else { continue };
+        let Some(kind) = graph.nodes[id].kind() else {
+            continue;
+        };
         for port in kind.written(&graph.wanted(id)) {
-            let context = NodeContext { resources: Some(&resources), ..NodeContext::new(graph, id, limits) };
+            let context = NodeContext {
+                resources: Some(&resources),
+                ..NodeContext::new(graph, id, limits)
+            };
             let described = kind.output(port, &context).and_then(|desc| {
                 let resource = resource(&desc, view, &context)?;
                 within_limits(&resource, port, &context)?;
@@ -39,10 +49,18 @@ pub fn size(graph: &Graph, order: &[NodeId], view: [u32; 2], limits: &Limits) ->
     findings.into_result(resources)
 }
 
-fn resource(desc: &ResourceDesc, view: [u32; 2], node: &NodeContext<'_>) -> Result<ResourceKind, Finding> {
+fn resource(
+    desc: &ResourceDesc,
+    view: [u32; 2],
+    node: &NodeContext<'_>,
+) -> Result<ResourceKind, Finding> {
     Ok(match *desc {
         ResourceDesc::Buffer { bytes } => ResourceKind::Buffer { bytes },
-        ResourceDesc::Texture { dimensions, size, format } => {
+        ResourceDesc::Texture {
+            dimensions,
+            size,
+            format,
+        } => {
             let extent = match size {
                 Size::Absolute(extent) => extent,
                 Size::ViewRelative(factor) => {
@@ -59,27 +77,54 @@ fn resource(desc: &ResourceDesc, view: [u32; 2], node: &NodeContext<'_>) -> Resu
                     }
                 },
             };
-            ResourceKind::Texture { dimensions, extent, format }
+            ResourceKind::Texture {
+                dimensions,
+                extent,
+                format,
+            }
         }
     })
 }
 
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "sizes are positive and below 2^32")]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "sizes are positive and below 2^32"
+)]
 fn scaled(n: u32, factor: f32) -> u32 {
     ((f64::from(n) * f64::from(factor)).round() as u32).max(1)
 }
 
-fn within_limits(resource: &ResourceKind, port: &str, node: &NodeContext<'_>) -> Result<(), Finding> {
+fn within_limits(
+    resource: &ResourceKind,
+    port: &str,
+    node: &NodeContext<'_>,
+) -> Result<(), Finding> {
     let limits = node.limits();
     let (name, limit, asked, help) = match resource {
-        ResourceKind::Buffer { bytes } => {
-            ("max_buffer_size", limits.max_buffer_bytes, *bytes, "use less data, or another adapter")
-        }
-        ResourceKind::Texture { dimensions, extent, .. } => {
+        ResourceKind::Buffer { bytes } => (
+            "max_buffer_size",
+            limits.max_buffer_bytes,
+            *bytes,
+            "use less data, or another adapter",
+        ),
+        ResourceKind::Texture {
+            dimensions, extent, ..
+        } => {
             let largest = u64::from(extent.iter().copied().max().unwrap_or(0));
             match dimensions {
-                1 => ("max_texture_dimension_1d", limits.max_texture_1d, largest, "choose a smaller table"),
-                2 => ("max_texture_dimension_2d", limits.max_texture_2d, largest, "choose a smaller size"),
+                1 => (
+                    "max_texture_dimension_1d",
+                    limits.max_texture_1d,
+                    largest,
+                    "choose a smaller table",
+                ),
+                2 => (
+                    "max_texture_dimension_2d",
+                    limits.max_texture_2d,
+                    largest,
+                    "choose a smaller size",
+                ),
                 _ => (
                     "max_texture_dimension_3d",
                     limits.max_texture_3d,
@@ -91,7 +136,12 @@ fn within_limits(resource: &ResourceKind, port: &str, node: &NodeContext<'_>) ->
     };
     if asked > limit {
         return Err(node
-            .error("over-limit", format!("output `{port}` asks for {asked}, over the device's limit {name} = {limit}"))
+            .error(
+                "over-limit",
+                format!(
+                    "output `{port}` asks for {asked}, over the device's limit {name} = {limit}"
+                ),
+            )
             .help(help));
     }
     let bytes = resource.bytes();
@@ -112,5 +162,7 @@ fn within_limits(resource: &ResourceKind, port: &str, node: &NodeContext<'_>) ->
 /// Pixels or voxels in an extent.
 #[must_use]
 pub fn texel_count(extent: Extent) -> u64 {
-    extent.iter().fold(1, |product, &n| product.saturating_mul(n.into()))
+    extent
+        .iter()
+        .fold(1, |product, &n| product.saturating_mul(n.into()))
 }

@@ -40,10 +40,16 @@ pub fn load_one(
     progress: Progress<'_>,
 ) -> Result<Arc<dyn Source>, Findings> {
     let Some(kind) = registry.source(&desc.kind) else {
-        return Err(Finding::error("unknown-source-kind", format!("unknown kind of source `{}`", desc.kind))
-            .at(desc.place.clone())
-            .help_opt(did_you_mean(&desc.kind, registry.sources().map(|kind| kind.name())))
-            .into());
+        return Err(Finding::error(
+            "unknown-source-kind",
+            format!("unknown kind of source `{}`", desc.kind),
+        )
+        .at(desc.place.clone())
+        .help_opt(did_you_mean(
+            &desc.kind,
+            registry.sources().map(|kind| kind.name()),
+        ))
+        .into());
     };
     let specs = kind.params();
     let mut findings = Findings::new();
@@ -51,9 +57,15 @@ pub fn load_one(
     for (name, given) in &desc.params {
         let Some(spec) = specs.iter().find(|spec| spec.name == *name) else {
             findings.push(
-                Finding::error("unknown-param", format!("a source of kind `{}` has no field `{name}`", kind.name()))
-                    .at(given.name_place.clone())
-                    .help_opt(did_you_mean(name, specs.iter().map(|spec| spec.name.as_str()))),
+                Finding::error(
+                    "unknown-param",
+                    format!("a source of kind `{}` has no field `{name}`", kind.name()),
+                )
+                .at(given.name_place.clone())
+                .help_opt(did_you_mean(
+                    name,
+                    specs.iter().map(|spec| spec.name.as_str()),
+                )),
             );
             continue;
         };
@@ -61,19 +73,24 @@ pub fn load_one(
             Ok(value) => {
                 params.insert(name.clone(), value);
             }
-            Err(reason) => findings
-                .push(Finding::error("bad-param", format!("field `{name}`: {reason}")).at(given.place.clone())),
+            Err(reason) => findings.push(
+                Finding::error("bad-param", format!("field `{name}`: {reason}"))
+                    .at(given.place.clone()),
+            ),
         }
     }
     let params = findings.into_result(params)?;
-    kind.load(&params, folders, progress).map_err(|findings| findings.into_iter().map(|f| placed(f, desc)).collect())
+    kind.load(&params, folders, progress)
+        .map_err(|findings| findings.into_iter().map(|f| placed(f, desc)).collect())
 }
 
 /// A finding without a place stands where the graph names the source; one in another file tells who asked for that.
 fn placed(finding: Finding, desc: &SourceDesc) -> Finding {
     match &finding.place {
         None => finding.at(desc.place.clone()),
-        Some(place) if place.file != desc.place.file => finding.related(desc.place.clone(), "for this source"),
+        Some(place) if place.file != desc.place.file => {
+            finding.related(desc.place.clone(), "for this source")
+        }
         Some(_) => finding,
     }
 }

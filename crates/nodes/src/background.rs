@@ -1,8 +1,8 @@
 //! `background`: a pattern over the whole picture.
 
 use volgraph_graph::{
-    Demand, InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec, Requirement, ResourceDesc,
-    Size,
+    Demand, InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec, Requirement,
+    ResourceDesc, Size,
 };
 use volgraph_report::Finding;
 use volgraph_shader::ParamSpec;
@@ -31,8 +31,11 @@ const INPUTS: &[InputPort] = &[
     },
 ];
 
-const OUTPUTS: &[OutputPort] =
-    &[OutputPort { name: "color", ty: PortType::Color, doc: "The pattern, linear premultiplied colour." }];
+const OUTPUTS: &[OutputPort] = &[OutputPort {
+    name: "color",
+    ty: PortType::Color,
+    doc: "The pattern, linear premultiplied colour.",
+}];
 
 impl NodeKind for Background {
     fn name(&self) -> &'static str {

@@ -44,11 +44,19 @@ impl Encoding {
         let (scale, offset, error) = match format {
             TextureFormat::R8Unorm => {
                 let is_exact = is_whole && (lo >= 0.0 && hi <= 255.0);
-                if is_exact { (255.0, 0.0, 0.0) } else { (unit_span, lo, span / 510.0) }
+                if is_exact {
+                    (255.0, 0.0, 0.0)
+                } else {
+                    (unit_span, lo, span / 510.0)
+                }
             }
             TextureFormat::R16Float => {
                 // Half floats hold every whole number up to 2048, of either sign.
-                let middle = if lo >= 0.0 && hi <= 2048.0 { 0.0 } else { (0.5 * (lo + hi)).floor() };
+                let middle = if lo >= 0.0 && hi <= 2048.0 {
+                    0.0
+                } else {
+                    (0.5 * (lo + hi)).floor()
+                };
                 if half_is_exact {
                     (1.0, middle, 0.0)
                 } else {
@@ -57,19 +65,31 @@ impl Encoding {
                 }
             }
             _ => match volume.voxels().scalar_type() {
-                ScalarType::F32 | ScalarType::U8 | ScalarType::I8 | ScalarType::U16 | ScalarType::I16 => {
-                    (1.0, 0.0, 0.0)
-                }
+                ScalarType::F32
+                | ScalarType::U8
+                | ScalarType::I8
+                | ScalarType::U16
+                | ScalarType::I16 => (1.0, 0.0, 0.0),
                 _ => (unit_span, lo, span * f64::from(f32::EPSILON)),
             },
         };
-        Self { format, scale, offset, error, range: (lo, hi) }
+        Self {
+            format,
+            scale,
+            offset,
+            error,
+            range: (lo, hi),
+        }
     }
 
     /// The choice of the slot `volume_filter` that can read it: the device's filter, or loads where it has none.
     #[must_use]
     pub fn filter(&self, limits: &Limits) -> &'static str {
-        if self.format == TextureFormat::R32Float && !limits.float32_filterable { "loads" } else { "hardware" }
+        if self.format == TextureFormat::R32Float && !limits.float32_filterable {
+            "loads"
+        } else {
+            "hardware"
+        }
     }
 
     /// All voxels as texels, x fastest; what is not finite as [`Volume::drawn`] says.
@@ -82,7 +102,9 @@ impl Encoding {
                 Voxels::U8(values) if self.scale == 255.0 => values.clone(),
                 _ => encode(voxels, |scalar| [unorm8(texel(scalar))]),
             },
-            TextureFormat::R16Float => encode(voxels, |scalar| f16::from_f64(texel(scalar)).to_le_bytes()),
+            TextureFormat::R16Float => {
+                encode(voxels, |scalar| f16::from_f64(texel(scalar)).to_le_bytes())
+            }
             _ => encode(voxels, |scalar| {
                 #[expect(clippy::cast_possible_truncation, reason = "the texture holds f32")]
                 let value = texel(scalar) as f32;
@@ -92,13 +114,20 @@ impl Encoding {
     }
 }
 
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a byte")]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped to a byte"
+)]
 fn unorm8(texel: f64) -> u8 {
     (texel * 255.0).round().clamp(0.0, 255.0) as u8
 }
 
 fn encode<const N: usize>(voxels: &Voxels, texel: impl Fn(f64) -> [u8; N] + Sync) -> Vec<u8> {
-    (0..voxels.len()).into_par_iter().flat_map_iter(|at| texel(voxels.get(at))).collect()
+    (0..voxels.len())
+        .into_par_iter()
+        .flat_map_iter(|at| texel(voxels.get(at)))
+        .collect()
 }
 
 #[cfg(test)]
@@ -110,18 +139,30 @@ mod tests {
 
     fn volume(voxels: Voxels) -> Volume {
         let n = u32::try_from(voxels.len()).unwrap();
-        Volume::new("test", Grid::axis_aligned([n, 1, 1], DVec3::ONE, DVec3::ZERO), voxels).unwrap()
+        Volume::new(
+            "test",
+            Grid::axis_aligned([n, 1, 1], DVec3::ONE, DVec3::ZERO),
+            voxels,
+        )
+        .unwrap()
     }
 
     fn decoded(encoding: &Encoding, bytes: &[u8]) -> Vec<f64> {
         let texels: Vec<f64> = match encoding.format {
             TextureFormat::R8Unorm => bytes.iter().map(|b| f64::from(*b) / 255.0).collect(),
-            TextureFormat::R16Float => {
-                bytes.chunks(2).map(|b| f16::from_le_bytes([b[0], b[1]]).to_f64()).collect()
-            }
-            _ => bytes.chunks(4).map(|b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]))).collect(),
+            TextureFormat::R16Float => bytes
+                .chunks(2)
+                .map(|b| f16::from_le_bytes([b[0], b[1]]).to_f64())
+                .collect(),
+            _ => bytes
+                .chunks(4)
+                .map(|b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]])))
+                .collect(),
         };
-        texels.into_iter().map(|texel| texel * encoding.scale + encoding.offset).collect()
+        texels
+            .into_iter()
+            .map(|texel| texel * encoding.scale + encoding.offset)
+            .collect()
     }
 
     #[test]
@@ -143,7 +184,10 @@ mod tests {
                 for (at, value) in decoded(&encoding, &bytes).into_iter().enumerate() {
                     let truth = volume.voxels().get(at);
                     let allowed = encoding.error * 1.001 + 1e-12 * truth.abs();
-                    assert!((value - truth).abs() <= allowed, "{storage} {encoding:?}: {value} for {truth}");
+                    assert!(
+                        (value - truth).abs() <= allowed,
+                        "{storage} {encoding:?}: {value} for {truth}"
+                    );
                 }
             }
         }
@@ -153,18 +197,33 @@ mod tests {
     fn bytes_and_ct_are_exact_in_half_floats() {
         let ct = volume(Voxels::I16((-1024..=3071).collect()));
         let encoding = Encoding::choose(&ct, "auto");
-        assert_eq!((encoding.format, encoding.error), (TextureFormat::R16Float, 0.0));
+        assert_eq!(
+            (encoding.format, encoding.error),
+            (TextureFormat::R16Float, 0.0)
+        );
         let wide = volume(Voxels::U16(vec![0, 65535]));
         let encoding = Encoding::choose(&wide, "auto");
-        assert_eq!((encoding.format, encoding.error), (TextureFormat::R32Float, 0.0));
+        assert_eq!(
+            (encoding.format, encoding.error),
+            (TextureFormat::R32Float, 0.0)
+        );
         assert_eq!(encoding.filter(&Limits::default()), "loads");
         assert!(Encoding::choose(&wide, "r16float").error > 0.0);
     }
 
     #[test]
     fn what_is_not_a_number_becomes_the_smallest_value() {
-        let volume = volume(Voxels::F32(vec![f32::NAN, -2.0, 5.0, f32::INFINITY, f32::NEG_INFINITY]));
+        let volume = volume(Voxels::F32(vec![
+            f32::NAN,
+            -2.0,
+            5.0,
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+        ]));
         let encoding = Encoding::choose(&volume, "auto");
-        assert_eq!(decoded(&encoding, &encoding.encode(&volume)), [-2.0, -2.0, 5.0, 5.0, -2.0]);
+        assert_eq!(
+            decoded(&encoding, &encoding.encode(&volume)),
+            [-2.0, -2.0, 5.0, 5.0, -2.0]
+        );
     }
 }

@@ -7,8 +7,8 @@ mod on_cpu;
 
 use naga::StorageFormat;
 use volgraph_graph::{
-    Demand, InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec, Requirement, ResourceDesc,
-    Size, SlotSpec, Uniform,
+    Demand, InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec, Requirement,
+    ResourceDesc, Size, SlotSpec, Uniform,
 };
 use volgraph_report::Finding;
 use volgraph_shader::{BindingKind, ParamSpec};
@@ -47,8 +47,16 @@ const OUTPUTS: &[OutputPort] = &[OutputPort {
 }];
 
 const SLOTS: &[SlotSpec] = &[
-    SlotSpec { name: "gradient_method", default: "central", doc: "What is the gradient at a voxel?" },
-    SlotSpec { name: "gradient_storage", default: "rgba16f", doc: "How are gradients stored?" },
+    SlotSpec {
+        name: "gradient_method",
+        default: "central",
+        doc: "What is the gradient at a voxel?",
+    },
+    SlotSpec {
+        name: "gradient_storage",
+        default: "rgba16f",
+        doc: "How are gradients stored?",
+    },
 ];
 
 impl NodeKind for Gradient {
@@ -91,10 +99,14 @@ impl NodeKind for Gradient {
     fn output(&self, _port: &str, node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
         let format = match node.binding("gradient_out").map(|binding| &binding.kind) {
             None if !node.limits().storage_3d => on_cpu::Storage::named(node)?.format(),
-            Some(BindingKind::StorageTexture { format: StorageFormat::Rgba8Snorm, .. }) => TextureFormat::Rgba8Snorm,
-            Some(BindingKind::StorageTexture { format: StorageFormat::Rgba16Float, .. }) => {
-                TextureFormat::Rgba16Float
-            }
+            Some(BindingKind::StorageTexture {
+                format: StorageFormat::Rgba8Snorm,
+                ..
+            }) => TextureFormat::Rgba8Snorm,
+            Some(BindingKind::StorageTexture {
+                format: StorageFormat::Rgba16Float,
+                ..
+            }) => TextureFormat::Rgba16Float,
             _ => {
                 return Err(node
                     .error("bad-storage", "its slot `gradient_storage` declares no texture `gradient_out` that can be filtered")
@@ -102,7 +114,11 @@ impl NodeKind for Gradient {
             }
         };
         let dims = placement::volume(node, "volume")?.grid().dims;
-        Ok(ResourceDesc::Texture { dimensions: 3, size: Size::Absolute(dims), format })
+        Ok(ResourceDesc::Texture {
+            dimensions: 3,
+            size: Size::Absolute(dims),
+            format,
+        })
     }
 
     fn uniform(&self, _name: &str, node: &NodeContext<'_>) -> Result<Uniform, Finding> {

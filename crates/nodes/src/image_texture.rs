@@ -2,7 +2,8 @@
 
 use half::f16;
 use volgraph_graph::{
-    InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement, ResourceDesc, Size, UploadBytes,
+    InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement, ResourceDesc, Size,
+    UploadBytes,
 };
 use volgraph_report::Finding;
 use wgpu_types::TextureFormat;
@@ -55,9 +56,17 @@ impl NodeKind for ImageTexture {
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         let picture = image(node)?.picture.clone();
         let bytes = UploadBytes::new(move || {
-            Ok(picture.color.iter().flatten().flat_map(|value| f16::from_f32(*value).to_le_bytes()).collect())
+            Ok(picture
+                .color
+                .iter()
+                .flatten()
+                .flat_map(|value| f16::from_f32(*value).to_le_bytes())
+                .collect())
         });
-        Ok(vec![Pass::Upload { port: "texture", bytes }])
+        Ok(vec![Pass::Upload {
+            port: "texture",
+            bytes,
+        }])
     }
 }
 

@@ -16,7 +16,12 @@ use crate::source::volume::VolumeSource;
 pub fn volume<'g>(node: &NodeContext<'g>, port: &str) -> Result<&'g Volume, Finding> {
     node.source::<VolumeSource>(port)
         .map(|source| source.volume.as_ref())
-        .ok_or_else(|| node.error("missing-input", format!("its input `{port}` is not a volume")))
+        .ok_or_else(|| {
+            node.error(
+                "missing-input",
+                format!("its input `{port}` is not a volume"),
+            )
+        })
 }
 
 /// How the volume at `volume` is stored by the writer of `volume_texture`.
@@ -25,7 +30,11 @@ pub fn volume<'g>(node: &NodeContext<'g>, port: &str) -> Result<&'g Volume, Find
 /// `missing-input` where there is no volume.
 pub fn encoding(node: &NodeContext<'_>) -> Result<Encoding, Finding> {
     // Before the demand phase there is no writer yet; it will get this node's own storage parameter.
-    let storage = node.writer("volume_texture").map_or(node.text("volume_storage"), |writer| writer.text("volume_storage"));
+    let storage = node
+        .writer("volume_texture")
+        .map_or(node.text("volume_storage"), |writer| {
+            writer.text("volume_storage")
+        });
     Ok(Encoding::choose(volume(node, "volume")?, storage))
 }
 
@@ -49,12 +58,19 @@ pub fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     let dims = dims(grid);
     let centre = grid.world_from_index.transform_point3(0.5 * (low + high));
     let sides = grid.spacing() * (high - low);
-    let radius = grid.corners_world().iter().map(|corner| corner.distance(centre)).fold(0.0, f64::max);
+    let radius = grid
+        .corners_world()
+        .iter()
+        .map(|corner| corner.distance(centre))
+        .fold(0.0, f64::max);
     // Gradients are covectors: they map by the inverse transpose.
     let world_from_index_gradient: DMat3 = grid.world_from_index.matrix3.inverse().transpose();
     let span = encoding.range.1 - encoding.range.0;
     Ok(vec![
-        ("texture_from_world", UniformValue::Mat4(columns(DMat4::from(texture_from_world)))),
+        (
+            "texture_from_world",
+            UniformValue::Mat4(columns(DMat4::from(texture_from_world))),
+        ),
         (
             "world_from_index_gradient",
             UniformValue::Mat3(world_from_index_gradient.as_mat3().to_cols_array_2d()),
@@ -68,7 +84,10 @@ pub fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
         ("voxel", f32_value(grid.min_spacing())),
         ("value_scale", f32_value(encoding.scale)),
         ("value_offset", f32_value(encoding.offset)),
-        ("value_range", f32_value(if span > 0.0 { span } else { 1.0 })),
+        (
+            "value_range",
+            f32_value(if span > 0.0 { span } else { 1.0 }),
+        ),
     ])
 }
 

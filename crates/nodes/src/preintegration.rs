@@ -1,7 +1,8 @@
 //! `preintegration`: the table of integrals over segments, for one segment length.
 
 use volgraph_graph::{
-    InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement, ResourceDesc, Size, UploadBytes,
+    InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement, ResourceDesc, Size,
+    UploadBytes,
 };
 use volgraph_report::Finding;
 use volgraph_shader::ParamSpec;
@@ -37,8 +38,12 @@ const OUTPUTS: &[OutputPort] = &[OutputPort {
 /// The parameter with the entries along a side, for kinds that call for this one.
 #[must_use]
 pub fn size_param() -> ParamSpec {
-    ParamSpec::int("preintegration_size", 1024, "Entries along each side of the pre-integrated table.")
-        .range(64.0, 4096.0)
+    ParamSpec::int(
+        "preintegration_size",
+        1024,
+        "Entries along each side of the pre-integrated table.",
+    )
+    .range(64.0, 4096.0)
 }
 
 impl NodeKind for Preintegration {
@@ -60,7 +65,9 @@ impl NodeKind for Preintegration {
 
     fn params(&self) -> Vec<ParamSpec> {
         vec![
-            ParamSpec::float("step", 1.0, "Length of the segments.").range(0.01, 64.0).unit("voxel"),
+            ParamSpec::float("step", 1.0, "Length of the segments.")
+                .range(0.01, 64.0)
+                .unit("voxel"),
             size_param(),
         ]
     }
@@ -78,7 +85,8 @@ impl NodeKind for Preintegration {
         let transfer = transfer(node, "transfer")?;
         let voxel = volume(node, "volume")?.grid().min_spacing();
         let segment_world = node.float("step") * voxel;
-        let segment_references = segment_world * transfer.reference_length().extinction_per_world(voxel);
+        let segment_references =
+            segment_world * transfer.reference_length().extinction_per_world(voxel);
         let size = node.uint("preintegration_size");
         let bytes = UploadBytes::new(move || {
             let table = transfer
@@ -86,6 +94,9 @@ impl NodeKind for Preintegration {
                 .map_err(|error| Finding::error("table", error.to_string()))?;
             Ok(bytemuck::cast_slice(&table.entries).to_vec())
         });
-        Ok(vec![Pass::Upload { port: "table", bytes }])
+        Ok(vec![Pass::Upload {
+            port: "table",
+            bytes,
+        }])
     }
 }

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 use volgraph_graph::{
-    InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement, ResourceDesc, UploadBytes,
+    InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement, ResourceDesc,
+    UploadBytes,
 };
 use volgraph_report::Finding;
 use volgraph_volume::Grid;
@@ -46,14 +47,21 @@ impl NodeKind for ProxyBox {
     }
 
     fn output(&self, _port: &str, _node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
-        Ok(ResourceDesc::Buffer { bytes: u64::from(VERTICES) * 12 })
+        Ok(ResourceDesc::Buffer {
+            bytes: u64::from(VERTICES) * 12,
+        })
     }
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
-        let vertices: Vec<[f32; 3]> =
-            triangles(volume(node, "volume")?.grid()).into_iter().map(|v| v.as_vec3().to_array()).collect();
+        let vertices: Vec<[f32; 3]> = triangles(volume(node, "volume")?.grid())
+            .into_iter()
+            .map(|v| v.as_vec3().to_array())
+            .collect();
         let bytes = UploadBytes::new(move || Ok(bytemuck::cast_slice(&vertices).to_vec()));
-        Ok(vec![Pass::Upload { port: "rays", bytes }])
+        Ok(vec![Pass::Upload {
+            port: "rays",
+            bytes,
+        }])
     }
 }
 
@@ -72,11 +80,20 @@ fn triangles(grid: &Grid) -> Vec<DVec3> {
                 index[last] = if v { high[last] } else { low[last] };
                 grid.world_from_index.transform_point3(index)
             };
-            let quad = [corner(false, false), corner(true, false), corner(true, true), corner(false, true)];
+            let quad = [
+                corner(false, false),
+                corner(true, false),
+                corner(true, true),
+                corner(false, true),
+            ];
             let normal = (quad[1] - quad[0]).cross(quad[3] - quad[0]);
             let outward = (quad[0] + quad[2]) * 0.5 - centre;
             // A mirrored or oblique placement turns faces over; the normal tells.
-            let order = if normal.dot(outward) >= 0.0 { [0, 1, 2, 0, 2, 3] } else { [0, 2, 1, 0, 3, 2] };
+            let order = if normal.dot(outward) >= 0.0 {
+                [0, 1, 2, 0, 2, 3]
+            } else {
+                [0, 2, 1, 0, 3, 2]
+            };
             corners.extend(order.map(|at| quad[at]));
         }
     }
@@ -94,11 +111,16 @@ mod tests {
         let placements = [
             DMat3::IDENTITY,
             DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 2.0)),
-            DMat3::from_cols(DVec3::new(0.0, 2.0, 0.1), DVec3::new(1.0, 0.2, 0.0), DVec3::new(0.3, 0.0, -1.0)),
+            DMat3::from_cols(
+                DVec3::new(0.0, 2.0, 0.1),
+                DVec3::new(1.0, 0.2, 0.0),
+                DVec3::new(0.3, 0.0, -1.0),
+            ),
         ];
         for matrix in placements {
             let mut grid = Grid::axis_aligned([3, 4, 5], DVec3::ONE, DVec3::ZERO);
-            grid.world_from_index = DAffine3::from_mat3_translation(matrix, DVec3::new(5.0, -7.0, 1.0));
+            grid.world_from_index =
+                DAffine3::from_mat3_translation(matrix, DVec3::new(5.0, -7.0, 1.0));
             let (low, high) = grid.box_index();
             let centre = grid.world_from_index.transform_point3(0.5 * (low + high));
             let mut volume = 0.0;

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use volgraph_graph::{
-    Demand, InputPort, Mesh, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec, Requirement,
-    ResourceDesc, Size, SlotSpec, Uniform,
+    Demand, InputPort, Mesh, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec,
+    Requirement, ResourceDesc, Size, SlotSpec, Uniform,
 };
 use volgraph_optics::Domain;
 use volgraph_report::Finding;
@@ -60,7 +60,10 @@ const INPUTS: &[InputPort] = &[
             kind: "gradient",
             inputs: &[("volume", "volume")],
             params: &[("volume_storage", "volume_storage")],
-            slots: &[("gradient_method", "gradient_method"), ("gradient_storage", "gradient_storage")],
+            slots: &[
+                ("gradient_method", "gradient_method"),
+                ("gradient_storage", "gradient_storage"),
+            ],
         }),
         doc: "Gradients of the volume.",
     },
@@ -81,7 +84,10 @@ const INPUTS: &[InputPort] = &[
         requirement: Requirement::Demanded(Demand {
             kind: "preintegration",
             inputs: &[("transfer", "transfer"), ("volume", "volume")],
-            params: &[("step", "step"), ("preintegration_size", "preintegration_size")],
+            params: &[
+                ("step", "step"),
+                ("preintegration_size", "preintegration_size"),
+            ],
             slots: &[],
         }),
         doc: "The transfer function integrated over segments.",
@@ -89,20 +95,64 @@ const INPUTS: &[InputPort] = &[
 ];
 
 const OUTPUTS: &[OutputPort] = &[
-    OutputPort { name: "color", ty: PortType::Color, doc: "Linear premultiplied colour, over what lies behind." },
-    OutputPort { name: "depth", ty: PortType::Scalar2d, doc: "World distance from the eye to what the ray shows." },
-    OutputPort { name: "opacity", ty: PortType::Scalar2d, doc: "Opacity of what the ray met in the volume." },
+    OutputPort {
+        name: "color",
+        ty: PortType::Color,
+        doc: "Linear premultiplied colour, over what lies behind.",
+    },
+    OutputPort {
+        name: "depth",
+        ty: PortType::Scalar2d,
+        doc: "World distance from the eye to what the ray shows.",
+    },
+    OutputPort {
+        name: "opacity",
+        ty: PortType::Scalar2d,
+        doc: "Opacity of what the ray met in the volume.",
+    },
 ];
 
 const SLOTS: &[SlotSpec] = &[
-    SlotSpec { name: "technique", default: "dvr", doc: "What does a segment add to the pixel?" },
-    SlotSpec { name: "reconstruct", default: "trilinear", doc: "What is the scalar at a point?" },
-    SlotSpec { name: "gradient", default: "stored", doc: "What is the gradient at a point?" },
-    SlotSpec { name: "gradient_method", default: "central", doc: "How are stored gradients made?" },
-    SlotSpec { name: "gradient_storage", default: "rgba16f", doc: "How are gradients stored?" },
-    SlotSpec { name: "classify", default: "post", doc: "What are colour and opacity of a segment?" },
-    SlotSpec { name: "traverse", default: "uniform", doc: "Where does the next segment end?" },
-    SlotSpec { name: "light", default: "unlit", doc: "How is a point lit?" },
+    SlotSpec {
+        name: "technique",
+        default: "dvr",
+        doc: "What does a segment add to the pixel?",
+    },
+    SlotSpec {
+        name: "reconstruct",
+        default: "trilinear",
+        doc: "What is the scalar at a point?",
+    },
+    SlotSpec {
+        name: "gradient",
+        default: "stored",
+        doc: "What is the gradient at a point?",
+    },
+    SlotSpec {
+        name: "gradient_method",
+        default: "central",
+        doc: "How are stored gradients made?",
+    },
+    SlotSpec {
+        name: "gradient_storage",
+        default: "rgba16f",
+        doc: "How are gradients stored?",
+    },
+    SlotSpec {
+        name: "classify",
+        default: "post",
+        doc: "What are colour and opacity of a segment?",
+    },
+    SlotSpec {
+        name: "traverse",
+        default: "uniform",
+        doc: "Where does the next segment end?",
+    },
+    SlotSpec {
+        name: "light",
+        default: "unlit",
+        doc: "How is a point lit?",
+    },
 ];
 
 /// What the depth holds where the ray shows nothing (`RAY_NO_DEPTH` in `lib/ray.wgsl`).
@@ -156,10 +206,17 @@ impl NodeKind for Raycast {
         if node.text("stage") != "fragment" {
             entries.push(entry("raycast_compute", has_layers));
         }
-        let behind = if node.is_connected("behind") { "texture" } else { "none" };
+        let behind = if node.is_connected("behind") {
+            "texture"
+        } else {
+            "none"
+        };
         Some(ProgramSpec {
             root: "node/raycast.wgsl",
-            fixed_slots: BTreeMap::from([("behind".to_owned(), behind.to_owned()), placement::filter_slot(node)]),
+            fixed_slots: BTreeMap::from([
+                ("behind".to_owned(), behind.to_owned()),
+                placement::filter_slot(node),
+            ]),
             entries,
         })
     }
@@ -187,24 +244,40 @@ impl NodeKind for Raycast {
     }
 
     fn output(&self, port: &str, node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
-        let format = if port == "color" { TextureFormat::Rgba32Float } else { TextureFormat::R32Float };
+        let format = if port == "color" {
+            TextureFormat::Rgba32Float
+        } else {
+            TextureFormat::R32Float
+        };
         check_table_sizes(node)?;
-        Ok(ResourceDesc::Texture { dimensions: 2, size: Size::ViewRelative(1.0), format })
+        Ok(ResourceDesc::Texture {
+            dimensions: 2,
+            size: Size::ViewRelative(1.0),
+            format,
+        })
     }
 
     fn uniform(&self, name: &str, node: &NodeContext<'_>) -> Result<Uniform, Finding> {
         match name {
             "volume" => placement::uniform(node),
             "transfer" => transfer_uniform(node),
-            _ => Ok(vec![("first", UniformValue::UVec2(tile(node)?.map_or([0; 2], |tile| [tile[0], tile[1]])))]),
+            _ => Ok(vec![(
+                "first",
+                UniformValue::UVec2(tile(node)?.map_or([0; 2], |tile| [tile[0], tile[1]])),
+            )]),
         }
     }
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         let has_layers = node.output_resource("depth").is_some();
-        if node.is_connected("behind") && node.input_resource("behind") != node.output_resource("color") {
+        if node.is_connected("behind")
+            && node.input_resource("behind") != node.output_resource("color")
+        {
             return Err(node
-                .error("size-mismatch", "its input `behind` has another size or format than its output")
+                .error(
+                    "size-mismatch",
+                    "its input `behind` has another size or format than its output",
+                )
                 .help("make it as large as the picture, in rgba32float"));
         }
         let compute = |entry, [width, height]: [u32; 2]| Pass::Compute {
@@ -217,12 +290,19 @@ impl NodeKind for Raycast {
         match (node.variant(), tile(node)?) {
             (_, None) => {}
             (Some("compute"), Some([_, _, width, height])) => {
-                passes.push(compute(entry("raycast_compute", has_layers), [width, height]));
+                passes.push(compute(
+                    entry("raycast_compute", has_layers),
+                    [width, height],
+                ));
             }
             _ => passes.push(Pass::Draw {
                 vertex: "raycast_vertex",
                 fragment: entry("raycast_fragment", has_layers),
-                mesh: Mesh { port: "rays", vertices: proxy_box::VERTICES, back_faces_only: true },
+                mesh: Mesh {
+                    port: "rays",
+                    vertices: proxy_box::VERTICES,
+                    back_faces_only: true,
+                },
                 constants: Vec::new(),
             }),
         }
@@ -248,11 +328,17 @@ fn tile(node: &NodeContext<'_>) -> Result<Option<[u32; 4]>, Finding> {
 
 /// The table nodes may be the user's own, with sizes of their own.
 fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
-    for (port, param) in [("transfer_table", "table_size"), ("preintegration_table", "preintegration_size")] {
+    for (port, param) in [
+        ("transfer_table", "table_size"),
+        ("preintegration_table", "preintegration_size"),
+    ] {
         if let Some(writer) = node.writer(port)
             && writer.uint(param) < 2
         {
-            return Err(node.error("bad-param", format!("its input `{port}` comes from a node without `{param}`")));
+            return Err(node.error(
+                "bad-param",
+                format!("its input `{port}` comes from a node without `{param}`"),
+            ));
         }
     }
     Ok(())
@@ -269,19 +355,31 @@ fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     }
     let voxel = volume.grid().min_spacing();
     let last = |port: &str, param: &str| {
-        node.writer(port).map_or(1.0, |writer| f64::from(writer.uint(param).max(2) - 1))
+        node.writer(port)
+            .map_or(1.0, |writer| f64::from(writer.uint(param).max(2) - 1))
     };
     let entries = last("transfer_table", "table_size");
     let preintegration = last("preintegration_table", "preintegration_size");
-    let preintegration_step = node.writer("preintegration_table").map_or(1.0, |writer| writer.float("step"));
+    let preintegration_step = node
+        .writer("preintegration_table")
+        .map_or(1.0, |writer| writer.float("step"));
     Ok(vec![
         ("low", f32_value(low)),
         ("entries_per_scalar", f32_value(entries / (high - low))),
         ("last_entry", f32_value(entries)),
-        ("preintegration_per_scalar", f32_value(preintegration / (high - low))),
+        (
+            "preintegration_per_scalar",
+            f32_value(preintegration / (high - low)),
+        ),
         ("preintegration_last", f32_value(preintegration)),
-        ("references_per_world", f32_value(transfer.reference_length().extinction_per_world(voxel))),
-        ("preintegration_length", f32_value(preintegration_step * voxel)),
+        (
+            "references_per_world",
+            f32_value(transfer.reference_length().extinction_per_world(voxel)),
+        ),
+        (
+            "preintegration_length",
+            f32_value(preintegration_step * voxel),
+        ),
     ])
 }
 
@@ -293,5 +391,9 @@ fn normalised_range(volume: &volgraph_volume::Volume) -> (f64, f64) {
         .range()
         .or_else(|| volume.statistics().range())
         .unwrap_or((0.0, 1.0));
-    if range.1 > range.0 { range } else { (range.0, range.0 + 1.0) }
+    if range.1 > range.0 {
+        range
+    } else {
+        (range.0, range.0 + 1.0)
+    }
 }

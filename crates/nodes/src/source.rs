@@ -27,8 +27,13 @@ impl Given<'_> {
     fn path(&self, name: &str, folders: &Folders) -> Result<PathBuf, Finding> {
         match self.text(name) {
             Some(path) if !path.is_empty() => Ok(folders.find(path)),
-            _ => Err(Finding::error("missing-field", format!("the field `{name}` is missing"))
-                .help(format!("add `{name}: \"…\"`, relative to the graph file or to a folder of data"))),
+            _ => Err(
+                Finding::error("missing-field", format!("the field `{name}` is missing")).help(
+                    format!(
+                        "add `{name}: \"…\"`, relative to the graph file or to a folder of data"
+                    ),
+                ),
+            ),
         }
     }
 
@@ -52,7 +57,9 @@ impl Given<'_> {
 
     /// Three whole numbers of at least 1.
     fn dims(&self, name: &str) -> Result<Option<[u32; 3]>, Finding> {
-        let Some(v) = self.vec3(name) else { return Ok(None) };
+        let Some(v) = self.vec3(name) else {
+            return Ok(None);
+        };
         let mut dims = [0_u32; 3];
         for (dim, value) in dims.iter_mut().zip(v.to_array()) {
             if value.fract() != 0.0 || !(1.0..=f64::from(u32::MAX)).contains(&value) {
@@ -61,7 +68,11 @@ impl Given<'_> {
                     format!("field `{name}`: {value} is not a whole number of at least 1"),
                 ));
             }
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked above")]
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "checked above"
+            )]
             {
                 *dim = value as u32;
             }

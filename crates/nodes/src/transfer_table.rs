@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use volgraph_graph::{
-    InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement, ResourceDesc, Size, UploadBytes,
+    InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement, ResourceDesc, Size,
+    UploadBytes,
 };
 use volgraph_optics::TransferFunction;
 use volgraph_report::Finding;
@@ -41,7 +42,12 @@ pub fn size_param() -> ParamSpec {
 pub fn transfer(node: &NodeContext<'_>, port: &str) -> Result<Arc<TransferFunction>, Finding> {
     node.source::<TransferSource>(port)
         .map(|source| Arc::clone(&source.transfer))
-        .ok_or_else(|| node.error("missing-input", format!("its input `{port}` is not a transfer function")))
+        .ok_or_else(|| {
+            node.error(
+                "missing-input",
+                format!("its input `{port}` is not a transfer function"),
+            )
+        })
 }
 
 impl NodeKind for TransferTable {
@@ -83,6 +89,9 @@ impl NodeKind for TransferTable {
                 .map_err(|error| Finding::error("table", error.to_string()))?;
             Ok(bytemuck::cast_slice(&table.entries).to_vec())
         });
-        Ok(vec![Pass::Upload { port: "table", bytes }])
+        Ok(vec![Pass::Upload {
+            port: "table",
+            bytes,
+        }])
     }
 }

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use volgraph_graph::{
-    InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement, ResourceDesc, Size, UploadBytes,
+    InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement, ResourceDesc, Size,
+    UploadBytes,
 };
 use volgraph_report::Finding;
 use volgraph_shader::ParamSpec;
@@ -22,8 +23,11 @@ const INPUTS: &[InputPort] = &[InputPort {
     doc: "The volume.",
 }];
 
-const OUTPUTS: &[OutputPort] =
-    &[OutputPort { name: "texture", ty: PortType::VolumeTexture, doc: "Its scalars as a 3D texture." }];
+const OUTPUTS: &[OutputPort] = &[OutputPort {
+    name: "texture",
+    ty: PortType::VolumeTexture,
+    doc: "Its scalars as a 3D texture.",
+}];
 
 /// The parameter that chooses the storage, for kinds that call for this one.
 #[must_use]
@@ -60,15 +64,27 @@ impl NodeKind for VolumeTexture {
     fn output(&self, _port: &str, node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
         let volume = volume(node, "volume")?;
         let format = Encoding::choose(volume, node.text("volume_storage")).format;
-        Ok(ResourceDesc::Texture { dimensions: 3, size: Size::Absolute(volume.grid().dims), format })
+        Ok(ResourceDesc::Texture {
+            dimensions: 3,
+            size: Size::Absolute(volume.grid().dims),
+            format,
+        })
     }
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         let encoding = Encoding::choose(volume(node, "volume")?, node.text("volume_storage"));
-        let volume = node.source::<VolumeSource>("volume").map(|source| Arc::clone(&source.volume));
+        let volume = node
+            .source::<VolumeSource>("volume")
+            .map(|source| Arc::clone(&source.volume));
         let bytes = UploadBytes::new(move || {
-            Ok(volume.as_ref().map(|volume| encoding.encode(volume)).unwrap_or_default())
+            Ok(volume
+                .as_ref()
+                .map(|volume| encoding.encode(volume))
+                .unwrap_or_default())
         });
-        Ok(vec![Pass::Upload { port: "texture", bytes }])
+        Ok(vec![Pass::Upload {
+            port: "texture",
+            bytes,
+        }])
     }
 }

@@ -22,7 +22,10 @@ pub enum Command {
     Render(RenderArgs),
     /// Print what a graph comes to: nodes, bindings, sizes, memory, conventions.
     Plan(PlanArgs),
-    /// Check shaders, graphs and transfer functions; folders are searched.
+    /// Check shaders, graphs and transfer functions, without a GPU; folders are searched.
+    ///
+    /// A volume file that is not there is a warning: a small volume stands in for it, so that the rest of its graph is
+    /// checked wherever the data is. Exit code 1 means errors.
     Check(CheckArgs),
     /// Print a volume's dimensions, placement and statistics.
     Info(InfoArgs),
@@ -54,10 +57,20 @@ pub struct SceneArgs {
     #[arg(long, value_name = "CAMERA", value_parser = parse_camera)]
     pub camera: Option<CameraDesc>,
     /// A folder of volumes, for files that do not lie beside the graph; may be given again.
-    #[arg(long, value_name = "FOLDER", env = "VOLGRAPH_DATA", value_delimiter = ':')]
+    #[arg(
+        long,
+        value_name = "FOLDER",
+        env = "VOLGRAPH_DATA",
+        value_delimiter = ':'
+    )]
     pub data: Vec<PathBuf>,
     /// A folder of your own shaders, searched first; may be given again.
-    #[arg(long, value_name = "FOLDER", env = "VOLGRAPH_SHADERS", value_delimiter = ':')]
+    #[arg(
+        long,
+        value_name = "FOLDER",
+        env = "VOLGRAPH_SHADERS",
+        value_delimiter = ':'
+    )]
     pub shaders: Vec<PathBuf>,
     /// The adapter: part of its name, a backend (vulkan, gl, metal, dx12) or a class (discrete, software, …).
     #[arg(long, value_name = "WORDS", env = "VOLGRAPH_ADAPTER")]
@@ -77,7 +90,9 @@ impl SceneArgs {
 
     /// Where shaders are.
     pub fn shader_folders(&self) -> ShaderFolders {
-        ShaderFolders { own: self.shaders.clone() }
+        ShaderFolders {
+            own: self.shaders.clone(),
+        }
     }
 
     /// Which adapter.
@@ -124,10 +139,20 @@ pub struct CheckArgs {
     #[arg(required = true)]
     pub paths: Vec<PathBuf>,
     /// A folder of your own shaders, searched first; may be given again.
-    #[arg(long, value_name = "FOLDER", env = "VOLGRAPH_SHADERS", value_delimiter = ':')]
+    #[arg(
+        long,
+        value_name = "FOLDER",
+        env = "VOLGRAPH_SHADERS",
+        value_delimiter = ':'
+    )]
     pub shaders: Vec<PathBuf>,
     /// A folder of volumes, for files that do not lie beside their graph; may be given again.
-    #[arg(long, value_name = "FOLDER", env = "VOLGRAPH_DATA", value_delimiter = ':')]
+    #[arg(
+        long,
+        value_name = "FOLDER",
+        env = "VOLGRAPH_DATA",
+        value_delimiter = ':'
+    )]
     pub data: Vec<PathBuf>,
     /// How findings are printed.
     #[arg(long, default_value = "human")]
@@ -192,7 +217,12 @@ pub struct NodesArgs {
     /// Only this kind.
     pub kind: Option<String>,
     /// A folder of your own shaders, searched first; may be given again.
-    #[arg(long, value_name = "FOLDER", env = "VOLGRAPH_SHADERS", value_delimiter = ':')]
+    #[arg(
+        long,
+        value_name = "FOLDER",
+        env = "VOLGRAPH_SHADERS",
+        value_delimiter = ':'
+    )]
     pub shaders: Vec<PathBuf>,
     /// Print JSON.
     #[arg(long)]
@@ -231,7 +261,9 @@ pub struct BenchArgs {
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    let (width, height) = text.split_once('x').ok_or("write it as WIDTHxHEIGHT, such as 512x512")?;
+    let (width, height) = text
+        .split_once('x')
+        .ok_or("write it as WIDTHxHEIGHT, such as 512x512")?;
     let side = |text: &str| match text.parse::<u32>() {
         Ok(n) if n > 0 => Ok(n),
         _ => Err(format!("`{text}` is not a number of pixels of at least 1")),
@@ -240,13 +272,19 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
 }
 
 fn parse_dims(text: &str) -> Result<[u32; 3], String> {
-    let sides: Vec<u32> = text.split('x').map_while(|side| side.parse().ok().filter(|n| *n > 0)).collect();
+    let sides: Vec<u32> = text
+        .split('x')
+        .map_while(|side| side.parse().ok().filter(|n| *n > 0))
+        .collect();
     <[u32; 3]>::try_from(sides).map_err(|_| "write it as XxYxZ, such as 256x256x128".to_owned())
 }
 
 fn parse_type(text: &str) -> Result<ScalarType, String> {
     ScalarType::parse(text).ok_or_else(|| {
-        let names: Vec<&str> = ScalarType::ALL.iter().map(|scalar_type| scalar_type.name()).collect();
+        let names: Vec<&str> = ScalarType::ALL
+            .iter()
+            .map(|scalar_type| scalar_type.name())
+            .collect();
         format!("types are {}", names.join(", "))
     })
 }
@@ -260,11 +298,14 @@ fn parse_bound(text: &str) -> Result<f64, String> {
 
 fn parse_volume(text: &str) -> Result<(String, PathBuf), String> {
     match text.split_once('=') {
-        Some((name, file)) if !name.is_empty() && !file.is_empty() => Ok((name.to_owned(), PathBuf::from(file))),
+        Some((name, file)) if !name.is_empty() && !file.is_empty() => {
+            Ok((name.to_owned(), PathBuf::from(file)))
+        }
         _ => Err("write it as NAME=FILE, with the name of a source of the graph".to_owned()),
     }
 }
 
 fn parse_camera(text: &str) -> Result<CameraDesc, String> {
-    volgraph_graph::read::camera_text("--camera".as_ref(), text).map_err(|findings| findings.to_string())
+    volgraph_graph::read::camera_text("--camera".as_ref(), text)
+        .map_err(|findings| findings.to_string())
 }

@@ -35,7 +35,13 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
 /// Loads a scene with a progress bar and tells its warnings.
 fn load(args: &SceneArgs) -> anyhow::Result<Scene> {
     let bars = Bars::new();
-    let loaded = Scene::load(&args.graph, &args.overrides(), &args.shader_folders(), registry(), &bars);
+    let loaded = Scene::load(
+        &args.graph,
+        &args.overrides(),
+        &args.shader_folders(),
+        registry(),
+        &bars,
+    );
     bars.clear();
     let scene = loaded?;
     for (source, warning) in scene.warnings() {

@@ -1,6 +1,6 @@
 //! What the command line prints: results on standard output, findings and warnings on standard error.
 
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "printing is this module's work")]
+#![expect(clippy::print_stderr, reason = "printing is this module's work")]
 
 use std::io::IsTerminal;
 use std::process::ExitCode;
@@ -25,10 +25,22 @@ pub fn warn(text: &str) {
     eprintln!("warning: {text}");
 }
 
-/// Prints all findings with excerpts.
+/// Nobody reads more findings than this at once.
+const MAX_SHOWN: usize = 100;
+
+/// Prints the findings with excerpts: all of them, or the first hundred by place and how many more there are.
 pub fn report(findings: &Findings) {
     let color = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    eprintln!("{}", excerpt::render(findings, excerpt::from_disk, color));
+    let sorted = findings.sorted();
+    let shown: Findings = sorted
+        .iter()
+        .take(MAX_SHOWN)
+        .map(|finding| (*finding).clone())
+        .collect();
+    eprintln!("{}", excerpt::render(&shown, excerpt::from_disk, color));
+    if sorted.len() > MAX_SHOWN {
+        eprintln!("\n… and {} more findings", sorted.len() - MAX_SHOWN);
+    }
 }
 
 /// Prints why a command failed: findings with excerpts, anything else with its causes.

@@ -41,8 +41,13 @@ impl ParamOverride {
     /// # Errors
     /// What is missing.
     pub fn parse(typed: &str) -> Result<Self, String> {
-        let (path, value) = typed.split_once('=').ok_or("write it as node.param=value")?;
-        let (target, name) = path.trim().split_once('.').ok_or("name a node and its parameter: node.param=value")?;
+        let (path, value) = typed
+            .split_once('=')
+            .ok_or("write it as node.param=value")?;
+        let (target, name) = path
+            .trim()
+            .split_once('.')
+            .ok_or("name a node and its parameter: node.param=value")?;
         let (is_slot, name) = match name.strip_prefix("slots.") {
             Some(slot) => (true, slot),
             None => (false, name),
@@ -53,12 +58,22 @@ impl ParamOverride {
         let value = value.trim();
         let value = volgraph_graph::read::param_text(Path::new("--set"), value)
             .unwrap_or_else(|_| ParamValue::Text(value.to_owned()));
-        Ok(Self { target: target.to_owned(), is_slot, name: name.to_owned(), value, typed: typed.to_owned() })
+        Ok(Self {
+            target: target.to_owned(),
+            is_slot,
+            name: name.to_owned(),
+            value,
+            typed: typed.to_owned(),
+        })
     }
 
     fn desc(&self) -> ParamDesc {
         let place = self.place();
-        ParamDesc { value: self.value.clone(), name_place: place.clone(), place }
+        ParamDesc {
+            value: self.value.clone(),
+            name_place: place.clone(),
+            place,
+        }
     }
 
     fn place(&self) -> Place {
@@ -82,17 +97,33 @@ impl Overrides {
             // Paths of the command line start at the current folder, those of the file at the file's.
             let path = std::path::absolute(file).unwrap_or_else(|_| file.clone());
             let value = ParamValue::Text(path.display().to_string());
-            let path = ParamDesc { value, name_place: place.clone(), place: place.clone() };
-            *source = SourceDesc { kind: "volume".to_owned(), params: [("path".to_owned(), path)].into(), place };
+            let path = ParamDesc {
+                value,
+                name_place: place.clone(),
+                place: place.clone(),
+            };
+            *source = SourceDesc {
+                kind: "volume".to_owned(),
+                params: [("path".to_owned(), path)].into(),
+                place,
+            };
         }
         for set in &self.params {
             if let Some(node) = desc.nodes.get_mut(&set.target) {
-                let values = if set.is_slot { &mut node.slots } else { &mut node.params };
+                let values = if set.is_slot {
+                    &mut node.slots
+                } else {
+                    &mut node.params
+                };
                 values.insert(set.name.clone(), set.desc());
             } else if let (Some(source), false) = (desc.sources.get_mut(&set.target), set.is_slot) {
                 source.params.insert(set.name.clone(), set.desc());
             } else {
-                findings.push(unknown(&set.target, &set.place(), desc.nodes.keys().chain(desc.sources.keys())));
+                findings.push(unknown(
+                    &set.target,
+                    &set.place(),
+                    desc.nodes.keys().chain(desc.sources.keys()),
+                ));
             }
         }
         if let Some(camera) = &self.camera {
@@ -103,9 +134,12 @@ impl Overrides {
 }
 
 fn unknown<'a>(name: &str, place: &Place, known: impl Iterator<Item = &'a String>) -> Finding {
-    Finding::error("unknown-node", format!("the graph has nothing named `{name}`"))
-        .at(place.clone())
-        .help_opt(did_you_mean(name, known.map(String::as_str)))
+    Finding::error(
+        "unknown-node",
+        format!("the graph has nothing named `{name}`"),
+    )
+    .at(place.clone())
+    .help_opt(did_you_mean(name, known.map(String::as_str)))
 }
 
 #[cfg(test)]
@@ -116,8 +150,14 @@ mod tests {
     fn values_are_ron_or_bare_texts() {
         let parse = |typed| ParamOverride::parse(typed).unwrap();
         assert_eq!(parse("image.step=0.5").value, ParamValue::Float(0.5));
-        assert_eq!(parse("image.stage=compute").value, ParamValue::Text("compute".to_owned()));
-        assert_eq!(parse("light.direction=(1, 0, 0)").value, ParamValue::Vector(vec![1.0, 0.0, 0.0]));
+        assert_eq!(
+            parse("image.stage=compute").value,
+            ParamValue::Text("compute".to_owned())
+        );
+        assert_eq!(
+            parse("light.direction=(1, 0, 0)").value,
+            ParamValue::Vector(vec![1.0, 0.0, 0.0])
+        );
         let slot = parse("image.slots.classify=post");
         assert_eq!((slot.is_slot, slot.name.as_str()), (true, "classify"));
         assert!(ParamOverride::parse("image.step").is_err());

@@ -23,7 +23,13 @@ struct State {
 impl Bars {
     /// No work yet.
     pub fn new() -> Self {
-        Self { state: Mutex::new(State { name: String::new(), started: Instant::now(), bar: None }) }
+        Self {
+            state: Mutex::new(State {
+                name: String::new(),
+                started: Instant::now(),
+                bar: None,
+            }),
+        }
     }
 
     /// Says how much of a piece of work is done; `total` is 0 where it is unknown.

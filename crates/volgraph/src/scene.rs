@@ -7,7 +7,9 @@ use std::sync::Arc;
 use indexmap::IndexMap;
 use naga::valid::Capabilities;
 use volgraph_graph::demand::ShaderLibrary;
-use volgraph_graph::{Folders, GraphDesc, Limits, Plan, PlanRequest, Registry, Source, read, sources};
+use volgraph_graph::{
+    Folders, GraphDesc, Limits, Plan, PlanRequest, Registry, Source, read, sources,
+};
 use volgraph_report::{Finding, Findings, Place};
 
 use crate::overrides::Overrides;
@@ -86,7 +88,11 @@ impl Scene {
     #[must_use]
     pub fn shader_library(&self, capabilities: Capabilities) -> ShaderLibrary {
         let base = folder_of(&self.path);
-        ShaderLibrary::new(self.shader_folders.roots(Some(&base)), capabilities, Some(base))
+        ShaderLibrary::new(
+            self.shader_folders.roots(Some(&base)),
+            capabilities,
+            Some(base),
+        )
     }
 
     /// Decides everything for a device with these limits and a picture of this size. `with_layers` asks for the
@@ -118,7 +124,12 @@ impl Scene {
     pub fn warnings(&self) -> Vec<(String, String)> {
         self.sources
             .iter()
-            .flat_map(|(name, source)| source.warnings().into_iter().map(|warning| (name.clone(), warning)))
+            .flat_map(|(name, source)| {
+                source
+                    .warnings()
+                    .into_iter()
+                    .map(|warning| (name.clone(), warning))
+            })
             .collect()
     }
 }
@@ -132,11 +143,18 @@ fn read_text(path: &Path) -> Result<String, Findings> {
     };
     let metadata = fs::metadata(path).map_err(unreadable)?;
     if metadata.is_dir() || metadata.len() > MAX_GRAPH_BYTES {
-        let what = if metadata.is_dir() { "a folder" } else { "over 4 MiB long" };
-        return Err(Finding::error("not-a-graph", format!("a graph is a RON file, and this is {what}"))
-            .at(Place::whole_file(path))
-            .help("name a graph file, such as graphs/quickstart.ron")
-            .into());
+        let what = if metadata.is_dir() {
+            "a folder"
+        } else {
+            "over 4 MiB long"
+        };
+        return Err(Finding::error(
+            "not-a-graph",
+            format!("a graph is a RON file, and this is {what}"),
+        )
+        .at(Place::whole_file(path))
+        .help("name a graph file, such as graphs/quickstart.ron")
+        .into());
     }
     Ok(fs::read_to_string(path).map_err(unreadable)?)
 }

@@ -58,7 +58,12 @@ impl Session {
     /// # Errors
     /// Everything wrong with the graph, its sources and shaders, or why there is no device.
     pub fn open(graph: impl AsRef<Path>, options: &SessionOptions) -> Result<Self, Findings> {
-        Self::open_with(graph.as_ref(), options, volgraph_nodes::registry(), &NoProgress)
+        Self::open_with(
+            graph.as_ref(),
+            options,
+            volgraph_nodes::registry(),
+            &NoProgress,
+        )
     }
 
     /// The same with kinds of one's own, and progress.
@@ -71,8 +76,13 @@ impl Session {
         registry: Registry,
         progress: &dyn SourceProgress,
     ) -> Result<Self, Findings> {
-        let scene =
-            Scene::load(graph, &options.overrides, &options.shader_folders, registry, progress)?;
+        let scene = Scene::load(
+            graph,
+            &options.overrides,
+            &options.shader_folders,
+            registry,
+            progress,
+        )?;
         let gpu = Arc::new(Gpu::open(&options.adapter)?);
         Self::start(scene, gpu, options)
     }
@@ -83,11 +93,19 @@ impl Session {
     /// As [`Self::open`].
     pub fn start(scene: Scene, gpu: Arc<Gpu>, options: &SessionOptions) -> Result<Self, Findings> {
         let shaders = scene.shader_library(gpu.capabilities());
-        let plan = Arc::new(scene.plan(&shaders, &gpu.limits(), options.size, options.with_layers)?);
+        let plan =
+            Arc::new(scene.plan(&shaders, &gpu.limits(), options.size, options.with_layers)?);
         let view = plan.view();
         let mut runner = Runner::new(gpu);
         runner.install(Arc::clone(&plan))?;
-        Ok(Self { scene, shaders, runner, plan, view, with_layers: options.with_layers })
+        Ok(Self {
+            scene,
+            shaders,
+            runner,
+            plan,
+            view,
+            with_layers: options.with_layers,
+        })
     }
 
     /// The scene.
@@ -129,7 +147,12 @@ impl Session {
     /// # Errors
     /// Where the size is over the device's limits; the session is then as before.
     pub fn set_size(&mut self, size: [u32; 2]) -> Result<(), Findings> {
-        let plan = self.scene.plan(&self.shaders, &self.runner.gpu().limits(), size, self.with_layers)?;
+        let plan = self.scene.plan(
+            &self.shaders,
+            &self.runner.gpu().limits(),
+            size,
+            self.with_layers,
+        )?;
         let plan = Arc::new(plan);
         self.runner.install(Arc::clone(&plan))?;
         self.view.size = size;
@@ -180,13 +203,22 @@ impl Session {
         let [width, height, _] = texels.extent;
         let pixels = width as usize * height as usize;
         let color: Vec<[f32; 4]> = if numbers.len() == 4 * pixels {
-            numbers.chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect()
+            numbers
+                .chunks_exact(4)
+                .map(|p| [p[0], p[1], p[2], p[3]])
+                .collect()
         } else if numbers.len() == pixels {
-            numbers.iter().map(|&value| [value, value, value, 1.0]).collect()
+            numbers
+                .iter()
+                .map(|&value| [value, value, value, 1.0])
+                .collect()
         } else {
-            return Err(Finding::error("output", format!("output `{output}` is no picture but {:?}", texels.format))
-                .help("name an output of a port of type color or scalar_2d")
-                .into());
+            return Err(Finding::error(
+                "output",
+                format!("output `{output}` is no picture but {:?}", texels.format),
+            )
+            .help("name an output of a port of type color or scalar_2d")
+            .into());
         };
         Picture::from_color(width, height, color)
             .map_err(|error| Finding::error("picture", error.to_string()).into())

@@ -1,6 +1,7 @@
 //! One frame: recording and submitting the passes of the nodes that must run.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::time::Instant;
 
 use volgraph_graph::check::{BindingSource, SamplerKind, binding_source};
@@ -8,10 +9,11 @@ use volgraph_graph::{NodeId, Pass, Plan, ResourceKind, View};
 use volgraph_report::Finding;
 use volgraph_shader::Binding;
 use wgpu::{
-    BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferDescriptor, BufferUsages, Color,
-    CommandEncoder, CommandEncoderDescriptor, Extent3d, LoadOp, Operations, Origin3d, RenderPassColorAttachment,
-    RenderPassDescriptor, StoreOp, TexelCopyBufferLayout, TexelCopyTextureInfo, TextureAspect, TextureDescriptor,
-    TextureDimension, TextureUsages, TextureView,
+    BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferDescriptor,
+    BufferUsages, Color, CommandEncoder, CommandEncoderDescriptor, Extent3d, LoadOp, Operations,
+    Origin3d, RenderPassColorAttachment, RenderPassDescriptor, StoreOp, TexelCopyBufferLayout,
+    TexelCopyTextureInfo, TextureAspect, TextureDescriptor, TextureDimension, TextureUsages,
+    TextureView,
 };
 
 use super::schedule::must_run;
@@ -23,6 +25,9 @@ use crate::timing::Timer;
 
 /// The side of the view on which variants are measured.
 const MEASURE_SIZE: u32 = 128;
+
+/// A pipeline and its bind groups by group.
+type Bound = (Arc<Pipeline>, Vec<(u32, BindGroup)>);
 
 /// Commands recorded and not yet submitted.
 struct Recording {
@@ -37,7 +42,10 @@ impl Runner {
     /// What a node kind or the device refused; what the frame did not finish is then not remembered as done.
     pub fn frame(&mut self, view: &View) -> Result<FrameReport, GpuError> {
         let Some(plan) = self.plan.clone() else {
-            return Err(GpuError::Output { name: "any".to_owned(), reason: "no plan is installed".to_owned() });
+            return Err(GpuError::Output {
+                name: "any".to_owned(),
+                reason: "no plan is installed".to_owned(),
+            });
         };
         let fingerprints = plan.fingerprints(view);
         let contents: Vec<_> = self.held.iter().map(|held| held.content.clone()).collect();
@@ -50,7 +58,10 @@ impl Runner {
         let mut variants: BTreeMap<NodeId, &'static str> = BTreeMap::new();
         for &id in plan.order.iter().filter(|id| running.contains(id)) {
             // Until the whole frame has succeeded, nobody may rely on what is overwritten here.
-            for ((_, port), allocation) in plan.allocation_of.range((id, String::new())..(id + 1, String::new())) {
+            for ((_, port), allocation) in plan
+                .allocation_of
+                .range((id, String::new())..(id + 1, String::new()))
+            {
                 self.held[*allocation].content = None;
                 written.push((*allocation, (fingerprints[&id], port.clone())));
             }
@@ -80,27 +91,46 @@ impl Runner {
             self.held[allocation].content = Some(content);
         }
         let mut times = times.into_iter();
-        let nodes = plan.order.iter().filter(|id| !plan.graph.nodes[**id].is_source()).map(|id| {
-            let node = &plan.graph.nodes[*id];
-            let ran = running.contains(id);
-            let measured = self.chosen_variant(&plan, *id).map(|(_, measured)| measured);
-            NodeReport {
-                name: node.name.clone(),
-                kind: node.kind_name(),
-                ran,
-                variant: variants.get(id).map(|variant| (*variant).to_owned()),
-                measured_ms: measured
-                    .filter(|_| variants.contains_key(id))
-                    .map(|times| times.iter().map(|(name, ms)| ((*name).to_owned(), *ms)).collect())
-                    .unwrap_or_default(),
-                gpu_ms: if ran { times.next() } else { None },
-            }
-        });
-        Ok(FrameReport { nodes: nodes.collect(), memory: self.memory(), pipelines: self.pipelines.len() })
+        let nodes = plan
+            .order
+            .iter()
+            .filter(|id| !plan.graph.nodes[**id].is_source())
+            .map(|id| {
+                let node = &plan.graph.nodes[*id];
+                let ran = running.contains(id);
+                let measured = self
+                    .chosen_variant(&plan, *id)
+                    .map(|(_, measured)| measured);
+                NodeReport {
+                    name: node.name.clone(),
+                    kind: node.kind_name(),
+                    ran,
+                    variant: variants.get(id).map(|variant| (*variant).to_owned()),
+                    measured_ms: measured
+                        .filter(|_| variants.contains_key(id))
+                        .map(|times| {
+                            times
+                                .iter()
+                                .map(|(name, ms)| ((*name).to_owned(), *ms))
+                                .collect()
+                        })
+                        .unwrap_or_default(),
+                    gpu_ms: if ran { times.next() } else { None },
+                }
+            });
+        Ok(FrameReport {
+            nodes: nodes.collect(),
+            memory: self.memory(),
+            pipelines: self.pipelines.len(),
+        })
     }
 
     fn encoder(&self) -> CommandEncoder {
-        self.gpu.device.create_command_encoder(&CommandEncoderDescriptor { label: Some("frame") })
+        self.gpu
+            .device
+            .create_command_encoder(&CommandEncoderDescriptor {
+                label: Some("frame"),
+            })
     }
 
     fn flush(&self, recording: &mut Recording) {
@@ -118,21 +148,32 @@ impl Runner {
         recording: &mut Recording,
     ) -> Result<Option<&'static str>, GpuError> {
         let variants = plan.variants(id);
-        let Some(&first) = variants.first() else { return Ok(None) };
+        let Some(&first) = variants.first() else {
+            return Ok(None);
+        };
         if variants.len() == 1 {
             return Ok(Some(first));
         }
-        if let Some((chosen, _)) = self.chosen_variant(plan, id).filter(|(chosen, _)| variants.contains(chosen)) {
+        if let Some((chosen, _)) = self
+            .chosen_variant(plan, id)
+            .filter(|(chosen, _)| variants.contains(chosen))
+        {
             return Ok(Some(*chosen));
         }
         self.flush(recording);
         self.gpu.wait()?;
-        let small = View { size: view.size.map(|n| n.min(MEASURE_SIZE)), ..*view };
+        let small = View {
+            size: view.size.map(|n| n.min(MEASURE_SIZE)),
+            ..*view
+        };
         let mut times = BTreeMap::new();
         for variant in variants {
             // The first run compiles; the second is measured.
             for _ in 0..2 {
-                let mut recording = Recording { encoder: self.encoder(), timer: None };
+                let mut recording = Recording {
+                    encoder: self.encoder(),
+                    timer: None,
+                };
                 let start = Instant::now();
                 self.node(plan, id, &small, Some(variant), &mut recording)?;
                 self.gpu.queue.submit([recording.encoder.finish()]);
@@ -140,9 +181,13 @@ impl Runner {
                 times.insert(variant, start.elapsed().as_secs_f64() * 1e3);
             }
         }
-        let fastest = times.iter().min_by(|a, b| a.1.total_cmp(b.1)).map_or(first, |(variant, _)| *variant);
+        let fastest = times
+            .iter()
+            .min_by(|a, b| a.1.total_cmp(b.1))
+            .map_or(first, |(variant, _)| *variant);
         if let Some(program) = &plan.graph.nodes[id].program {
-            self.chosen.insert(program.module.linked.digest, (fastest, times));
+            self.chosen
+                .insert(program.module.linked.digest, (fastest, times));
         }
         Ok(Some(fastest))
     }
@@ -182,14 +227,18 @@ impl Runner {
                         view: &scratch,
                         depth_slice: None,
                         resolve_target: None,
-                        ops: Operations { load: LoadOp::Clear(Color::BLACK), store: StoreOp::Discard },
+                        ops: Operations {
+                            load: LoadOp::Clear(Color::BLACK),
+                            store: StoreOp::Discard,
+                        },
                     };
                     let mut encoder = recording.encoder.begin_render_pass(&RenderPassDescriptor {
                         label: Some(name),
                         color_attachments: &[Some(attachment)],
                         ..Default::default()
                     });
-                    if let (PipelineKind::Render(render), Some(buffer)) = (&pipeline.kind, vertices) {
+                    if let (PipelineKind::Render(render), Some(buffer)) = (&pipeline.kind, vertices)
+                    {
                         encoder.set_pipeline(render);
                         for (group, bind_group) in &groups {
                             encoder.set_bind_group(*group, bind_group, &[]);
@@ -205,21 +254,29 @@ impl Runner {
 
     /// The target of draw passes, made anew when the view has another size.
     fn scratch(&mut self, [width, height]: [u32; 2]) -> Result<TextureView, GpuError> {
-        let size = Extent3d { width, height, depth_or_array_layers: 1 };
+        let size = Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        };
         let texture = match self.scratch.take().filter(|texture| texture.size() == size) {
             Some(texture) => texture,
-            None => self.gpu.scoped("making the target of draw passes", self.memory().bytes, || {
-                self.gpu.device.create_texture(&TextureDescriptor {
-                    label: Some("scratch"),
-                    size,
-                    mip_level_count: 1,
-                    sample_count: 1,
-                    dimension: TextureDimension::D2,
-                    format: SCRATCH_FORMAT,
-                    usage: TextureUsages::RENDER_ATTACHMENT,
-                    view_formats: &[],
-                })
-            })?,
+            None => self.gpu.scoped(
+                "making the target of draw passes",
+                self.memory().bytes,
+                || {
+                    self.gpu.device.create_texture(&TextureDescriptor {
+                        label: Some("scratch"),
+                        size,
+                        mip_level_count: 1,
+                        sample_count: 1,
+                        dimension: TextureDimension::D2,
+                        format: SCRATCH_FORMAT,
+                        usage: TextureUsages::RENDER_ATTACHMENT,
+                        view_formats: &[],
+                    })
+                },
+            )?,
         };
         let view = texture.create_view(&Default::default());
         self.scratch = Some(texture);
@@ -227,12 +284,18 @@ impl Runner {
     }
 
     fn output(&self, plan: &Plan, id: NodeId, port: &str) -> Result<&Held, GpuError> {
-        let at = plan.allocation_of.get(&(id, port.to_owned())).ok_or_else(|| internal(plan, id, port))?;
+        let at = plan
+            .allocation_of
+            .get(&(id, port.to_owned()))
+            .ok_or_else(|| internal(plan, id, port))?;
         Ok(&self.held[*at])
     }
 
     fn input(&self, plan: &Plan, id: NodeId, port: &str) -> Result<&Held, GpuError> {
-        let link = plan.graph.nodes[id].inputs.get(port).ok_or_else(|| internal(plan, id, port))?;
+        let link = plan.graph.nodes[id]
+            .inputs
+            .get(port)
+            .ok_or_else(|| internal(plan, id, port))?;
         self.output(plan, link.node, &link.port)
     }
 
@@ -244,9 +307,12 @@ impl Runner {
         view: &View,
         variant: Option<&str>,
         pass: &Pass,
-    ) -> Result<(std::sync::Arc<Pipeline>, Vec<(u32, BindGroup)>), GpuError> {
+    ) -> Result<Bound, GpuError> {
         let node = &plan.graph.nodes[id];
-        let program = node.program.as_ref().ok_or_else(|| internal(plan, id, "program"))?;
+        let program = node
+            .program
+            .as_ref()
+            .ok_or_else(|| internal(plan, id, "program"))?;
         let pipeline = self
             .pipelines
             .get(&self.gpu, program, pass)?
@@ -263,7 +329,10 @@ impl Runner {
             let mut entries = Vec::new();
             for binding in bindings {
                 let resource = self.resource(plan, id, binding, &uniforms)?;
-                entries.push(BindGroupEntry { binding: binding.binding, resource });
+                entries.push(BindGroupEntry {
+                    binding: binding.binding,
+                    resource,
+                });
             }
             let bind_group = self.gpu.device.create_bind_group(&BindGroupDescriptor {
                 label: Some(&node.name),
@@ -286,9 +355,15 @@ impl Runner {
             return Ok(buffer.as_entire_binding());
         }
         let held = match binding_source(&plan.graph.nodes[id], binding)? {
-            BindingSource::Sampler(SamplerKind::Linear) => return Ok(BindingResource::Sampler(&self.samplers.linear)),
-            BindingSource::Sampler(SamplerKind::Nearest) => return Ok(BindingResource::Sampler(&self.samplers.nearest)),
-            BindingSource::Sampler(SamplerKind::Repeat) => return Ok(BindingResource::Sampler(&self.samplers.repeat)),
+            BindingSource::Sampler(SamplerKind::Linear) => {
+                return Ok(BindingResource::Sampler(&self.samplers.linear));
+            }
+            BindingSource::Sampler(SamplerKind::Nearest) => {
+                return Ok(BindingResource::Sampler(&self.samplers.nearest));
+            }
+            BindingSource::Sampler(SamplerKind::Repeat) => {
+                return Ok(BindingResource::Sampler(&self.samplers.repeat));
+            }
             BindingSource::Input(port) => self.input(plan, id, &port)?,
             BindingSource::Output(port) => self.output(plan, id, &port)?,
             _ => return Err(internal(plan, id, &binding.name)),
@@ -318,7 +393,10 @@ impl Runner {
         if bytes.len() as u64 != expected {
             return Err(Finding::error(
                 "internal",
-                format!("node `{node}` uploads {} bytes into {expected}", bytes.len()),
+                format!(
+                    "node `{node}` uploads {} bytes into {expected}",
+                    bytes.len()
+                ),
             )
             .into());
         }
@@ -326,7 +404,9 @@ impl Runner {
         match held.resource {
             ResourceKind::Buffer { .. } => {
                 if let Some(buffer) = held.buffer() {
-                    self.gpu.scoped(&what, expected, || self.gpu.queue.write_buffer(buffer, 0, bytes))?;
+                    self.gpu.scoped(&what, expected, || {
+                        self.gpu.queue.write_buffer(buffer, 0, bytes);
+                    })?;
                 }
             }
             ResourceKind::Texture { extent, format, .. } => {
@@ -334,7 +414,9 @@ impl Runner {
                 let row = extent[0] * texel;
                 let layer = row as usize * extent[1] as usize;
                 let layers_at_once = (SLAB_BYTES / layer.max(1)).max(1);
-                let Some(texture) = held.texture() else { return Ok(()) };
+                let Some(texture) = held.texture() else {
+                    return Ok(());
+                };
                 for (slab, bytes) in bytes.chunks(layer * layers_at_once).enumerate() {
                     let z = u32::try_from(slab * layers_at_once).unwrap_or(u32::MAX);
                     let depth = u32::try_from(bytes.len() / layer).unwrap_or(u32::MAX);
@@ -352,7 +434,11 @@ impl Runner {
                                 bytes_per_row: Some(row),
                                 rows_per_image: Some(extent[1]),
                             },
-                            Extent3d { width: extent[0], height: extent[1], depth_or_array_layers: depth },
+                            Extent3d {
+                                width: extent[0],
+                                height: extent[1],
+                                depth_or_array_layers: depth,
+                            },
                         );
                     })?;
                     // What is staged is let go before more is staged.

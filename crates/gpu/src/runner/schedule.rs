@@ -11,17 +11,25 @@ pub(super) type Contents = Vec<Option<(Digest, String)>>;
 ///
 /// A node runs where something needed of it is not held. Resources may share an allocation one after the other, so a
 /// node that runs can destroy what a later user of the same memory left there; that one then has to run as well.
-pub(super) fn must_run(plan: &Plan, fingerprints: &BTreeMap<NodeId, Digest>, held: &Contents) -> BTreeSet<NodeId> {
+pub(super) fn must_run(
+    plan: &Plan,
+    fingerprints: &BTreeMap<NodeId, Digest>,
+    held: &Contents,
+) -> BTreeSet<NodeId> {
     let mut held = held.clone();
     loop {
         let running = running(plan, fingerprints, &held);
         let mut is_stable = true;
         for id in &running {
-            for ((_, port), allocation) in
-                plan.allocation_of.range((*id, String::new())..(*id + 1, String::new()))
+            for ((_, port), allocation) in plan
+                .allocation_of
+                .range((*id, String::new())..(*id + 1, String::new()))
             {
                 let own = (fingerprints[id], port.clone());
-                if held[*allocation].as_ref().is_some_and(|content| *content != own) {
+                if held[*allocation]
+                    .as_ref()
+                    .is_some_and(|content| *content != own)
+                {
                     held[*allocation] = None;
                     is_stable = false;
                 }
@@ -33,9 +41,17 @@ pub(super) fn must_run(plan: &Plan, fingerprints: &BTreeMap<NodeId, Digest>, hel
     }
 }
 
-fn running(plan: &Plan, fingerprints: &BTreeMap<NodeId, Digest>, held: &Contents) -> BTreeSet<NodeId> {
-    let mut needed: BTreeSet<(NodeId, &str)> =
-        plan.graph.outputs.values().map(|link| (link.node, link.port.as_str())).collect();
+fn running(
+    plan: &Plan,
+    fingerprints: &BTreeMap<NodeId, Digest>,
+    held: &Contents,
+) -> BTreeSet<NodeId> {
+    let mut needed: BTreeSet<(NodeId, &str)> = plan
+        .graph
+        .outputs
+        .values()
+        .map(|link| (link.node, link.port.as_str()))
+        .collect();
     let mut running = BTreeSet::new();
     for &id in plan.order.iter().rev() {
         let is_missing = plan
@@ -47,7 +63,12 @@ fn running(plan: &Plan, fingerprints: &BTreeMap<NodeId, Digest>, held: &Contents
             });
         if is_missing {
             running.insert(id);
-            needed.extend(plan.graph.nodes[id].inputs.values().map(|link| (link.node, link.port.as_str())));
+            needed.extend(
+                plan.graph.nodes[id]
+                    .inputs
+                    .values()
+                    .map(|link| (link.node, link.port.as_str())),
+            );
         }
     }
     running

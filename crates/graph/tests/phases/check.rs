@@ -35,15 +35,22 @@ fn a_used_binding_without_a_port_is_unknown() {
     let nodes = "\"p\": (kind: \"paint\", slots: { \"light\": \"strange\" }),";
     let finding = only(check(&graph_text(nodes, "\"color\": \"p\"")));
     assert_eq!(finding.code, "unknown-binding");
-    assert_eq!(finding.place.unwrap().file.to_str(), Some("/s/slot/light/strange.wgsl"));
+    assert_eq!(
+        finding.place.unwrap().file.to_str(),
+        Some("/s/slot/light/strange.wgsl")
+    );
     assert!(finding.help.unwrap().contains("`table`"));
 }
 
 #[test]
 fn a_binding_declared_as_another_texture_than_its_ports_is_told() {
-    let nodes = "\"p\": (kind: \"paint\", in: { \"volume\": \"f\" }, slots: { \"light\": \"wrong_dim\" }),";
+    let nodes =
+        "\"p\": (kind: \"paint\", in: { \"volume\": \"f\" }, slots: { \"light\": \"wrong_dim\" }),";
     let finding = only(check(&graph_text(nodes, "\"color\": \"p\"")));
-    assert_eq!((finding.code, finding.help.as_deref()), ("binding-type", Some("declare it as `texture_1d<f32>`")));
+    assert_eq!(
+        (finding.code, finding.help.as_deref()),
+        ("binding-type", Some("declare it as `texture_2d<f32>`"))
+    );
 }
 
 #[test]
@@ -66,10 +73,18 @@ fn cycles_are_named_along_the_data() {
     );
     let finding = only(check(&graph_text(&nodes, "\"color\": \"d\"")));
     assert_eq!(finding.code, "cycle");
-    assert!(finding.message.ends_with("b → c → a → b") || finding.message.ends_with("a → b → c → a"), "{}", finding.message);
+    assert!(
+        finding.message.ends_with("b → c → a → b") || finding.message.ends_with("a → b → c → a"),
+        "{}",
+        finding.message
+    );
     assert_eq!(finding.related.len(), 2, "the other two nodes");
     let itself = format!("\"a\": (kind: \"paint\", in: {{ \"behind\": \"a\" }}, {over}),");
-    assert!(only(check(&graph_text(&itself, "\"color\": \"a\""))).message.ends_with("a → a"));
+    assert!(
+        only(check(&graph_text(&itself, "\"color\": \"a\"")))
+            .message
+            .ends_with("a → a")
+    );
 }
 
 #[test]
@@ -77,14 +92,26 @@ fn a_diamond_is_no_cycle_and_a_long_chain_is_no_trouble() {
     let nodes = "\"a\": (kind: \"paint\"), \"b\": (kind: \"half\", in: { \"image\": \"a\" }),
         \"p\": (kind: \"paint\", in: { \"behind\": \"b\", \"outer\": \"a\" }, slots: { \"light\": \"over\" }),";
     check(&graph_text(nodes, "\"color\": \"p\"")).unwrap();
-    let chain: String =
-        (1..1000).map(|i| format!("\"n{i}\": (kind: \"half\", in: {{ \"image\": \"n{}\" }}),\n", i - 1)).collect();
+    let chain: String = (1..1000)
+        .map(|i| {
+            format!(
+                "\"n{i}\": (kind: \"half\", in: {{ \"image\": \"n{}\" }}),\n",
+                i - 1
+            )
+        })
+        .collect();
     let nodes = format!("\"n0\": (kind: \"paint\"),\n{chain}");
     check(&graph_text(&nodes, "\"color\": \"n999\"")).unwrap();
 }
 
 #[test]
 fn a_source_is_no_output() {
-    let finding = only(check(&graph_text("\"p\": (kind: \"paint\"),", "\"color\": \"f\"")));
-    assert_eq!((finding.code, finding.place.unwrap().line), ("type-mismatch", 6));
+    let finding = only(check(&graph_text(
+        "\"p\": (kind: \"paint\"),",
+        "\"color\": \"f\"",
+    )));
+    assert_eq!(
+        (finding.code, finding.place.unwrap().line),
+        ("type-mismatch", 6)
+    );
 }

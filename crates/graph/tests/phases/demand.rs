@@ -6,7 +6,9 @@ use volgraph_shader::ParamValue;
 use crate::{demand, graph_text, id, names, only};
 
 fn paint(light: &str) -> String {
-    format!("\"p\": (kind: \"paint\", in: {{ \"volume\": \"f\" }}, slots: {{ \"light\": \"{light}\" }}),")
+    format!(
+        "\"p\": (kind: \"paint\", in: {{ \"volume\": \"f\" }}, slots: {{ \"light\": \"{light}\" }}),"
+    )
 }
 
 #[test]
@@ -14,9 +16,22 @@ fn a_used_binding_calls_for_its_node_and_that_for_its_own() {
     let graph = demand(&graph_text(&paint("tabled"), "\"color\": \"p\"")).unwrap();
     assert_eq!(names(&graph), ["f", "p", "p.table", "p.table.upload"]);
     let table = &graph.nodes[id(&graph, "p.table")];
-    assert_eq!(graph.nodes[id(&graph, "p")].inputs["table"].node, id(&graph, "p.table"));
-    assert_eq!(table.params["gain"], ParamValue::Float(2.0), "it gets its caller's parameter");
-    assert_eq!(table.origin, Origin::Demanded { by: id(&graph, "p"), binding: "table".to_owned() });
+    assert_eq!(
+        graph.nodes[id(&graph, "p")].inputs["table"].node,
+        id(&graph, "p.table")
+    );
+    assert_eq!(
+        table.params["gain"],
+        ParamValue::Float(2.0),
+        "it gets its caller's parameter"
+    );
+    assert_eq!(
+        table.origin,
+        Origin::Demanded {
+            by: id(&graph, "p"),
+            binding: "table".to_owned()
+        }
+    );
 }
 
 #[test]
@@ -32,7 +47,11 @@ fn a_connected_port_that_nobody_reads_is_let_go_and_one_that_is_read_is_kept() {
             "\"q\": (kind: \"paint\"), \"p\": (kind: \"paint\", in: {{ \"behind\": \"q\" }}, slots: {{ \"light\": \"{light}\" }}),"
         );
         let graph = demand(&graph_text(&nodes, "\"color\": \"p\"")).unwrap();
-        assert_eq!(graph.nodes[id(&graph, "p")].inputs.contains_key("behind"), is_read, "{light}");
+        assert_eq!(
+            graph.nodes[id(&graph, "p")].inputs.contains_key("behind"),
+            is_read,
+            "{light}"
+        );
     }
 }
 
@@ -53,7 +72,10 @@ fn equal_demands_share_one_node_and_unequal_ones_do_not() {
             paint("tabled")
         );
         let graph = demand(&graph_text(&nodes, "\"a\": \"p\", \"b\": \"q\"")).unwrap();
-        names(&graph).iter().filter(|name| name.ends_with(".table")).count()
+        names(&graph)
+            .iter()
+            .filter(|name| name.ends_with(".table"))
+            .count()
     };
     assert_eq!(two("2.0"), 1);
     assert_eq!(two("3.0"), 2);
@@ -63,7 +85,10 @@ fn equal_demands_share_one_node_and_unequal_ones_do_not() {
 #[test]
 fn a_demand_finds_a_node_that_is_linked_already() {
     let graph = demand(&graph_text(&paint("both"), "\"color\": \"p\"")).unwrap();
-    assert_eq!(names(&graph), ["f", "p", "p.table", "p.outer", "p.table.upload"]);
+    assert_eq!(
+        names(&graph),
+        ["f", "p", "p.table", "p.outer", "p.table.upload"]
+    );
     let outer = &graph.nodes[id(&graph, "p.outer")];
     assert_eq!(outer.inputs["table"].node, id(&graph, "p.table"));
 }
@@ -74,16 +99,37 @@ fn a_demand_without_its_input_names_binding_and_port() {
     let finding = only(demand(&graph_text(nodes, "\"color\": \"p\"")));
     assert_eq!(finding.code, "missing-input");
     assert_eq!(finding.place.unwrap().line, 4);
-    assert!(finding.message.contains("`volume`") && finding.message.contains("`table`"), "{}", finding.message);
+    assert!(
+        finding.message.contains("`volume`") && finding.message.contains("`table`"),
+        "{}",
+        finding.message
+    );
     let (used, _) = &finding.related[0];
-    assert_eq!((used.file.to_str(), used.line), (Some("/s/slot/light/tabled.wgsl"), 1));
+    assert_eq!(
+        (used.file.to_str(), used.line),
+        (Some("/s/slot/light/tabled.wgsl"), 1)
+    );
 }
 
 #[test]
 fn what_cannot_be_called_for_is_told() {
-    assert_eq!(only(demand(&graph_text(&paint("unregistered"), "\"color\": \"p\""))).code, "unknown-kind");
+    assert_eq!(
+        only(demand(&graph_text(
+            &paint("unregistered"),
+            "\"color\": \"p\""
+        )))
+        .code,
+        "unknown-kind"
+    );
     let headless = "\"p\": (kind: \"headless\"),";
-    assert_eq!(only(demand(&graph_text(headless, "\"color\": \"p\""))).code, "missing-entry");
+    assert_eq!(
+        only(demand(&graph_text(headless, "\"color\": \"p\""))).code,
+        "missing-entry"
+    );
     let finding = only(demand(&graph_text(&paint("flt"), "\"color\": \"p\"")));
-    assert_eq!((finding.code, finding.place.unwrap().line), ("unknown-choice", 4), "where the graph chooses");
+    assert_eq!(
+        (finding.code, finding.place.unwrap().line),
+        ("unknown-choice", 4),
+        "where the graph chooses"
+    );
 }

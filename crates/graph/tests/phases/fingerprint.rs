@@ -7,7 +7,10 @@ use crate::{graph_text, id, plan};
 /// The fingerprint of a node, seen through a lens of this size and, if asked, from another place.
 fn of(text: &str, node: &str, size: [u32; 2], is_moved: bool) -> Digest {
     let plan = plan(text, [64, 64], &Limits::default()).unwrap();
-    let mut view = View { size, ..plan.view() };
+    let mut view = View {
+        size,
+        ..plan.view()
+    };
     if is_moved {
         view.camera.eye.x += 1.0;
     }
@@ -20,7 +23,8 @@ fn text(light: &str, amount: &str, seed: u32) -> String {
          slots: {{ \"light\": \"{light}\" }}, params: {{ \"amount\": {amount} }}),\n\
          \"h\": (kind: \"half\", in: {{ \"image\": \"p\" }}),\n\"o\": (kind: \"overlay\"),"
     );
-    graph_text(&nodes, "\"color\": \"h\", \"over\": \"o\"").replace("seed: 1", &format!("seed: {seed}"))
+    graph_text(&nodes, "\"color\": \"h\", \"over\": \"o\"")
+        .replace("seed: 1", &format!("seed: {seed}"))
 }
 
 fn plain(text: &str, node: &str) -> Digest {
@@ -29,7 +33,10 @@ fn plain(text: &str, node: &str) -> Digest {
 
 #[test]
 fn the_same_work_has_the_same_fingerprint() {
-    assert_eq!(plain(&text("flat", "1", 1), "p"), plain(&text("flat", "1", 1), "p"));
+    assert_eq!(
+        plain(&text("flat", "1", 1), "p"),
+        plain(&text("flat", "1", 1), "p")
+    );
     // A name is not work.
     let named = text("over", "1", 1);
     let renamed = named.replace("\"q\"", "\"other\"");
@@ -48,22 +55,46 @@ fn parameters_shaders_and_inputs_change_it_and_that_of_all_readers() {
         ("an input", text("over", "1", 1)),
     ] {
         for node in ["p", "h"] {
-            assert_ne!(plain(&before, node), plain(&after, node), "{what} of `{node}`");
+            assert_ne!(
+                plain(&before, node),
+                plain(&after, node),
+                "{what} of `{node}`"
+            );
         }
-        assert_eq!(plain(&before, "o"), plain(&after, "o"), "{what} is not `o`'s");
+        assert_eq!(
+            plain(&before, "o"),
+            plain(&after, "o"),
+            "{what} is not `o`'s"
+        );
     }
 }
 
 #[test]
 fn the_view_changes_it_only_where_it_is_read() {
     let full = [64, 64];
-    for (light, by_lens, by_pose) in [("flat", false, false), ("lens", true, false), ("posed", false, true)] {
+    for (light, by_lens, by_pose) in [
+        ("flat", false, false),
+        ("lens", true, false),
+        ("posed", false, true),
+    ] {
         let text = text(light, "1", 1);
         let before = of(&text, "p", full, false);
-        assert_eq!(of(&text, "p", [32, 64], false) != before, by_lens, "{light}: lens");
-        assert_eq!(of(&text, "p", full, true) != before, by_pose, "{light}: pose");
+        assert_eq!(
+            of(&text, "p", [32, 64], false) != before,
+            by_lens,
+            "{light}: lens"
+        );
+        assert_eq!(
+            of(&text, "p", full, true) != before,
+            by_pose,
+            "{light}: pose"
+        );
         // Readers see it through their inputs.
-        assert_eq!(of(&text, "h", full, true) != of(&text, "h", full, false), by_pose, "{light}: a reader");
+        assert_eq!(
+            of(&text, "h", full, true) != of(&text, "h", full, false),
+            by_pose,
+            "{light}: a reader"
+        );
     }
 }
 

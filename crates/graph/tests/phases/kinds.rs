@@ -7,37 +7,46 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use volgraph_graph::{
-    Demand, Digest, Folders, InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec,
-    Progress, Registry, Requirement, ResourceDesc, Size, SlotSpec, Source, SourceKind,
+    Demand, Digest, Folders, InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType,
+    ProgramSpec, Progress, Registry, Requirement, ResourceDesc, Size, SlotSpec, Source, SourceKind,
 };
 use volgraph_report::{Finding, Findings};
 use volgraph_shader::{MemoryFiles, ParamSpec, ParamValue, ShaderRoots};
 use wgpu_types::TextureFormat;
 
 pub fn shaders() -> ShaderRoots {
-    let entry = |name: &str, body: &str| {
-        format!("@compute @workgroup_size(1) fn {name}() {{ {body} }}\n")
-    };
-    let color_out = "@group(0) @binding(9) var color_out: texture_storage_2d<rgba32float, write>;\n";
+    let entry =
+        |name: &str, body: &str| format!("@compute @workgroup_size(1) fn {name}() {{ {body} }}\n");
+    let color_out =
+        "@group(0) @binding(9) var color_out: texture_storage_2d<rgba32float, write>;\n";
     let store = "textureStore(color_out, vec2i(0), light_color());";
-    let paint = format!("#import slot \"light\"\n{color_out}{}", entry("paint", store));
+    let paint = format!(
+        "#import slot \"light\"\n{color_out}{}",
+        entry("paint", store)
+    );
     let half = format!(
         "@group(0) @binding(1) var image: texture_2d<f32>;\n{color_out}{}",
-        entry("half", "textureStore(color_out, vec2i(0), textureLoad(image, vec2i(0), 0));")
+        entry(
+            "half",
+            "textureStore(color_out, vec2i(0), textureLoad(image, vec2i(0), 0));"
+        )
     );
     let table = format!(
         "struct Params {{\n  /// Gain. @default 1 @range 0 9\n  gain: f32,\n}}\n\
          @group(0) @binding(1) var volume_texture: texture_3d<f32>;\n\
-         @group(0) @binding(9) var table_out: texture_storage_1d<rgba32float, write>;\n{}",
+         @group(0) @binding(9) var table_out: texture_storage_2d<rgba32float, write>;\n{}",
         entry(
             "table",
-            "textureStore(table_out, 0, params.gain * textureLoad(volume_texture, vec3i(0), 0));"
+            "textureStore(table_out, vec2i(0), params.gain * textureLoad(volume_texture, vec3i(0), 0));"
         )
     );
     let outer = format!(
-        "@group(0) @binding(1) var table: texture_1d<f32>;\n\
+        "@group(0) @binding(1) var table: texture_2d<f32>;\n\
          @group(0) @binding(9) var outer_out: texture_storage_2d<rgba32float, write>;\n{}",
-        entry("outer", "textureStore(outer_out, vec2i(0), textureLoad(table, 0, 0));")
+        entry(
+            "outer",
+            "textureStore(outer_out, vec2i(0), textureLoad(table, vec2i(0), 0));"
+        )
     );
     let light = |declared: &str, value: &str| {
         format!("{declared}\nfn light_color() -> vec4f {{ return {value}; }}\n")
@@ -52,14 +61,17 @@ pub fn shaders() -> ShaderRoots {
         ),
         (
             "tabled",
-            light("@group(0) @binding(1) var table: texture_1d<f32>;", "textureLoad(table, 0, 0)"),
+            light(
+                "@group(0) @binding(1) var table: texture_2d<f32>;",
+                "textureLoad(table, vec2i(0), 0)",
+            ),
         ),
         (
             "both",
             light(
-                "@group(0) @binding(1) var table: texture_1d<f32>;\n\
+                "@group(0) @binding(1) var table: texture_2d<f32>;\n\
                  @group(0) @binding(2) var outer: texture_2d<f32>;",
-                "textureLoad(table, 0, 0) + textureLoad(outer, vec2i(0), 0)",
+                "textureLoad(table, vec2i(0), 0) + textureLoad(outer, vec2i(0), 0)",
             ),
         ),
         (
@@ -85,11 +97,17 @@ pub fn shaders() -> ShaderRoots {
         ),
         (
             "strange",
-            light("@group(0) @binding(1) var tabel: texture_1d<f32>;", "textureLoad(tabel, 0, 0)"),
+            light(
+                "@group(0) @binding(1) var tabel: texture_2d<f32>;",
+                "textureLoad(tabel, vec2i(0), 0)",
+            ),
         ),
         (
             "wrong_dim",
-            light("@group(0) @binding(1) var table: texture_2d<f32>;", "textureLoad(table, vec2i(0), 0)"),
+            light(
+                "@group(0) @binding(1) var table: texture_3d<f32>;",
+                "textureLoad(table, vec3i(0), 0)",
+            ),
         ),
         (
             "unfilled",
@@ -100,7 +118,10 @@ pub fn shaders() -> ShaderRoots {
         ),
         (
             "unregistered",
-            light("@group(0) @binding(1) var ghost: texture_1d<f32>;", "textureLoad(ghost, 0, 0)"),
+            light(
+                "@group(0) @binding(1) var ghost: texture_2d<f32>;",
+                "textureLoad(ghost, vec2i(0), 0)",
+            ),
         ),
     ];
     let mut files = MemoryFiles::new()
@@ -116,15 +137,29 @@ pub fn shaders() -> ShaderRoots {
 }
 
 const fn input(name: &'static str, ty: PortType, requirement: Requirement) -> InputPort {
-    InputPort { name, ty, requirement, doc: "A port." }
+    InputPort {
+        name,
+        ty,
+        requirement,
+        doc: "A port.",
+    }
 }
 
 const fn output(name: &'static str, ty: PortType) -> OutputPort {
-    OutputPort { name, ty, doc: "A port." }
+    OutputPort {
+        name,
+        ty,
+        doc: "A port.",
+    }
 }
 
 const fn calls_for(kind: &'static str) -> Requirement {
-    Requirement::Demanded(Demand { kind, inputs: &[("volume", "volume")], params: &[], slots: &[] })
+    Requirement::Demanded(Demand {
+        kind,
+        inputs: &[("volume", "volume")],
+        params: &[],
+        slots: &[],
+    })
 }
 
 /// A kind of which everything is said in values.
@@ -160,8 +195,15 @@ const FAKES: [Fake; 7] = [
             input("outer", PortType::Color, calls_for("outer")),
             input("ghost", PortType::Table1d, calls_for("ghost")),
         ],
-        outputs: &[output("color", PortType::Color), output("depth", PortType::Scalar2d)],
-        slots: &[SlotSpec { name: "light", default: "flat", doc: "How is it lit?" }],
+        outputs: &[
+            output("color", PortType::Color),
+            output("depth", PortType::Scalar2d),
+        ],
+        slots: &[SlotSpec {
+            name: "light",
+            default: "flat",
+            doc: "How is it lit?",
+        }],
         shader: Some(("node/paint.wgsl", "paint")),
         size: Size::ViewRelative(1.0),
         dimensions: 2,
@@ -171,13 +213,17 @@ const FAKES: [Fake; 7] = [
         name: "table",
         inputs: &[
             input("volume", PortType::Volume, Requirement::Required),
-            input("volume_texture", PortType::VolumeTexture, calls_for("upload")),
+            input(
+                "volume_texture",
+                PortType::VolumeTexture,
+                calls_for("upload"),
+            ),
         ],
         outputs: &[output("table", PortType::Table1d)],
         slots: &[],
         shader: Some(("node/table.wgsl", "table")),
         size: Size::Absolute([64, 1, 1]),
-        dimensions: 1,
+        dimensions: 2,
         follows_camera: false,
     },
     Fake {
@@ -287,12 +333,20 @@ impl NodeKind for Fake {
 
     fn program(&self, _node: &NodeContext<'_>) -> Option<ProgramSpec> {
         let (root, entry) = self.shader?;
-        Some(ProgramSpec { root, fixed_slots: BTreeMap::new(), entries: vec![entry] })
+        Some(ProgramSpec {
+            root,
+            fixed_slots: BTreeMap::new(),
+            entries: vec![entry],
+        })
     }
 
     fn output(&self, _port: &str, _node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
         let format = TextureFormat::Rgba32Float;
-        Ok(ResourceDesc::Texture { dimensions: self.dimensions, size: self.size, format })
+        Ok(ResourceDesc::Texture {
+            dimensions: self.dimensions,
+            size: self.size,
+            format,
+        })
     }
 
     fn record(&self, _node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {

@@ -1,5 +1,7 @@
 //! The phases from a graph file to a plan, each by itself, on small made-up kinds with shaders in memory.
 
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 mod check;
 mod cull_and_order;
 mod demand;
@@ -26,8 +28,12 @@ struct Loaded {
 
 fn load(text: &str) -> Loaded {
     let desc = volgraph_graph::read::graph(Path::new("g.ron"), text).unwrap();
-    let (sources, findings) =
-        volgraph_graph::sources::load(&desc, &kinds::registry(), &Folders::default(), &|_, _, _| {});
+    let (sources, findings) = volgraph_graph::sources::load(
+        &desc,
+        &kinds::registry(),
+        &Folders::default(),
+        &|_, _, _| {},
+    );
     assert!(findings.is_empty(), "{findings}");
     Loaded { desc, sources }
 }
@@ -49,7 +55,12 @@ fn resolve(text: &str) -> Result<Graph, Findings> {
 }
 
 fn demand(text: &str) -> Result<Graph, Findings> {
-    volgraph_graph::demand::demand(resolve(text)?, &kinds::registry(), &library(), &Limits::default())
+    volgraph_graph::demand::demand(
+        resolve(text)?,
+        &kinds::registry(),
+        &library(),
+        &Limits::default(),
+    )
 }
 
 fn check(text: &str) -> Result<(), Findings> {
@@ -71,18 +82,26 @@ fn plan(text: &str, size: [u32; 2], limits: &Limits) -> Result<Plan, Findings> {
 
 /// What was found: (code, line), sorted by place.
 fn codes(findings: &Findings) -> Vec<(&'static str, u32)> {
-    findings.sorted().iter().map(|f| (f.code, f.place.as_ref().map_or(0, |place| place.line))).collect()
+    findings
+        .sorted()
+        .iter()
+        .map(|f| (f.code, f.place.as_ref().map_or(0, |place| place.line)))
+        .collect()
 }
 
 /// The one finding there is.
 fn only<T>(result: Result<T, Findings>) -> volgraph_report::Finding {
-    let Err(findings) = result else { panic!("something must be found") };
+    let Err(findings) = result else {
+        panic!("something must be found")
+    };
     assert_eq!(findings.len(), 1, "{findings}");
     findings.into_iter().next().unwrap()
 }
 
 fn id(graph: &Graph, name: &str) -> NodeId {
-    graph.find(name).unwrap_or_else(|| panic!("no node `{name}` among {:?}", names(graph)))
+    graph
+        .find(name)
+        .unwrap_or_else(|| panic!("no node `{name}` among {:?}", names(graph)))
 }
 
 fn names(graph: &Graph) -> Vec<&str> {

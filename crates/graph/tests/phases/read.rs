@@ -26,7 +26,10 @@ const WHOLE: &str = r#"(
 #[test]
 fn every_part_of_a_graph_is_read() {
     let desc = graph(WHOLE).unwrap();
-    assert_eq!(desc.sources["v"].params["dims"].value, ParamValue::Vector(vec![1.0, 2.0, 3.0]));
+    assert_eq!(
+        desc.sources["v"].params["dims"].value,
+        ParamValue::Vector(vec![1.0, 2.0, 3.0])
+    );
     let params = &desc.nodes["image"].params;
     let values: Vec<_> = params.values().map(|param| param.value.clone()).collect();
     let expected = [
@@ -37,10 +40,16 @@ fn every_part_of_a_graph_is_read() {
         ParamValue::Text("x".to_owned()),
     ];
     assert_eq!(values, expected);
-    assert_eq!((params["step"].name_place.line, params["step"].place.column), (7, 37));
+    assert_eq!(
+        (params["step"].name_place.line, params["step"].place.column),
+        (7, 37)
+    );
     let camera = desc.camera.unwrap();
     assert!(matches!(camera.pose, Pose::LookAt { .. }));
-    assert_eq!(camera.projection, Projection::Orthographic { height: Some(2.0) });
+    assert_eq!(
+        camera.projection,
+        Projection::Orthographic { height: Some(2.0) }
+    );
 }
 
 #[test]
@@ -73,20 +82,37 @@ fn everything_wrong_is_told_at_once() {
 #[test]
 fn names_given_twice_and_no_outputs_are_told() {
     let code = |text: &str| graph(text).unwrap_err().sorted()[0].code;
-    assert_eq!(code(r#"(nodes: { "a": (kind: "x"), "a": (kind: "y") }, outputs: { "color": "a" })"#), "duplicate");
-    assert_eq!(code(r#"(nodes: { "a": (kind: "x") }, outputs: { "c": "a", "c": "b" })"#), "duplicate");
-    assert_eq!(code(r#"(sources: { "a": v() }, nodes: { "a": (kind: "x") }, outputs: { "c": "a" })"#), "duplicate");
+    assert_eq!(
+        code(r#"(nodes: { "a": (kind: "x"), "a": (kind: "y") }, outputs: { "color": "a" })"#),
+        "duplicate"
+    );
+    assert_eq!(
+        code(r#"(nodes: { "a": (kind: "x") }, outputs: { "c": "a", "c": "b" })"#),
+        "duplicate"
+    );
+    assert_eq!(
+        code(r#"(sources: { "a": v() }, nodes: { "a": (kind: "x") }, outputs: { "c": "a" })"#),
+        "duplicate"
+    );
     assert_eq!(code(r#"(nodes: { "a": (kind: "x") })"#), "no-output");
     assert_eq!(code("(nodes: {"), "ron-syntax");
-    assert_eq!(code(r#"(camera: fly(), outputs: { "c": "a" })"#), "unknown-camera");
+    assert_eq!(
+        code(r#"(camera: fly(), outputs: { "c": "a" })"#),
+        "unknown-camera"
+    );
 }
 
 #[test]
 fn what_is_too_large_is_refused_before_it_costs_time() {
     let long = format!("({})", " ".repeat(300 << 10));
     assert_eq!(codes(&graph(&long).unwrap_err()), [("too-large", 0)]);
-    let many: String = (0..1025).map(|i| format!("\"n{i}\": (kind: \"x\"),\n")).collect();
-    assert_eq!(codes(&graph(&graph_text(&many, "\"c\": \"n0\"")).unwrap_err()), [("too-large", 3)]);
+    let many: String = (0..1025)
+        .map(|i| format!("\"n{i}\": (kind: \"x\"),\n"))
+        .collect();
+    assert_eq!(
+        codes(&graph(&graph_text(&many, "\"c\": \"n0\"")).unwrap_err()),
+        [("too-large", 3)]
+    );
 }
 
 #[test]

@@ -10,11 +10,28 @@ fn names_become_nodes_and_what_is_not_said_has_its_default() {
                  \"q\": (kind: \"paint\", slots: { \"light\": \"tabled\" }),";
     let graph = resolve(&graph_text(nodes, "\"color\": \"p\"")).unwrap();
     let (p, q) = (&graph.nodes[id(&graph, "p")], &graph.nodes[id(&graph, "q")]);
-    assert_eq!(graph.outputs["color"].port, "color", "a node's first port is its default one");
-    assert_eq!(p.inputs["behind"].node, id(&graph, "q"), "a writer may stand after its reader");
-    assert_eq!((p.slots["light"].choice.as_str(), p.slots["light"].place.is_none()), ("flat", true));
+    assert_eq!(
+        graph.outputs["color"].port, "color",
+        "a node's first port is its default one"
+    );
+    assert_eq!(
+        p.inputs["behind"].node,
+        id(&graph, "q"),
+        "a writer may stand after its reader"
+    );
+    assert_eq!(
+        (
+            p.slots["light"].choice.as_str(),
+            p.slots["light"].place.is_none()
+        ),
+        ("flat", true)
+    );
     assert_eq!(q.slots["light"].choice, "tabled");
-    assert_eq!(p.params["amount"], ParamValue::Float(3.0), "whole numbers become the parameter's type");
+    assert_eq!(
+        p.params["amount"],
+        ParamValue::Float(3.0),
+        "whole numbers become the parameter's type"
+    );
     assert_eq!(q.params["amount"], ParamValue::Float(2.0));
 }
 
@@ -27,7 +44,9 @@ fn everything_unknown_is_told_at_once_with_its_line() {
 \"e\": (kind: \"paint\", slots: { \"lihgt\": \"flat\" }),
 \"g\": (kind: \"half\"),
 \"h\": (kind: \"paint\", slots: { \"light\": 3 }),";
-    let findings = resolve(&graph_text(nodes, "\"color\": \"z\"")).err().unwrap();
+    let findings = resolve(&graph_text(nodes, "\"color\": \"z\""))
+        .err()
+        .unwrap();
     let expected = [
         ("unknown-kind", 4),
         ("unknown-port", 5),
@@ -39,11 +58,17 @@ fn everything_unknown_is_told_at_once_with_its_line() {
         ("unknown-node", 12),
     ];
     assert_eq!(codes(&findings), expected, "{findings}");
-    assert!(findings.to_string().contains("did you mean `paint`"), "{findings}");
+    assert!(
+        findings.to_string().contains("did you mean `paint`"),
+        "{findings}"
+    );
 }
 
 #[test]
 fn readers_of_what_was_reported_already_are_left_alone() {
     let nodes = "\"a\": (kind: \"nothing\"), \"b\": (kind: \"half\", in: { \"image\": \"a\" }),";
-    assert_eq!(only(resolve(&graph_text(nodes, "\"color\": \"b\""))).code, "unknown-kind");
+    assert_eq!(
+        only(resolve(&graph_text(nodes, "\"color\": \"b\""))).code,
+        "unknown-kind"
+    );
 }

@@ -47,14 +47,18 @@ impl Storage {
     /// `gradient_encode` of the slot's files.
     fn encode(self, gradient: DVec3) -> Vec<u8> {
         match self {
-            Self::Rgba16f => {
-                [gradient.x, gradient.y, gradient.z, 0.0].iter().flat_map(|v| f16::from_f64(*v).to_le_bytes()).collect()
-            }
+            Self::Rgba16f => [gradient.x, gradient.y, gradient.z, 0.0]
+                .iter()
+                .flat_map(|v| f16::from_f64(*v).to_le_bytes())
+                .collect(),
             Self::Rgba8 => {
                 let magnitude = gradient.length();
                 let direction = gradient / magnitude.max(1e-12);
                 let root = (magnitude / 3.0_f64.sqrt()).sqrt();
-                [direction.x, direction.y, direction.z, root].iter().map(|v| snorm8(*v)).collect()
+                [direction.x, direction.y, direction.z, root]
+                    .iter()
+                    .map(|v| snorm8(*v))
+                    .collect()
             }
         }
     }
@@ -81,18 +85,31 @@ pub(super) fn record(node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
     };
     let storage = Storage::named(node)?;
     placement::volume(node, "volume")?;
-    let volume = node.source::<VolumeSource>("volume").map(|source| Arc::clone(&source.volume));
+    let volume = node
+        .source::<VolumeSource>("volume")
+        .map(|source| Arc::clone(&source.volume));
     let bytes = UploadBytes::new(move || {
-        Ok(volume.as_ref().map(|volume| gradients(volume, method, storage)).unwrap_or_default())
+        Ok(volume
+            .as_ref()
+            .map(|volume| gradients(volume, method, storage))
+            .unwrap_or_default())
     });
-    Ok(vec![Pass::Upload { port: "gradient", bytes }])
+    Ok(vec![Pass::Upload {
+        port: "gradient",
+        bytes,
+    }])
 }
 
 /// The encoded gradients of all voxels.
 fn gradients(volume: &Volume, method: Method, storage: Storage) -> Vec<u8> {
     let (low, high) = volume.statistics().range().unwrap_or((0.0, 0.0));
     let span = if high > low { high - low } else { 1.0 };
-    let dims = IVec3::from_array(volume.grid().dims.map(|n| i32::try_from(n).unwrap_or(i32::MAX)));
+    let dims = IVec3::from_array(
+        volume
+            .grid()
+            .dims
+            .map(|n| i32::try_from(n).unwrap_or(i32::MAX)),
+    );
     let [nx, ny] = [dims.x as usize, dims.y as usize];
     let voxels = volume.voxels();
     let scalar = |index: IVec3| {
@@ -120,8 +137,11 @@ fn estimate(method: Method, index: IVec3, scalar: &impl Fn(IVec3) -> f64) -> DVe
             for (z, y, x) in (0..27).map(|i| (i / 9 - 1, i / 3 % 3 - 1, i % 3 - 1)) {
                 let offset = IVec3::new(x, y, z);
                 let smoothing = DVec3::splat(2.0) - offset.abs().as_dvec3();
-                let across =
-                    DVec3::new(smoothing.y * smoothing.z, smoothing.x * smoothing.z, smoothing.x * smoothing.y);
+                let across = DVec3::new(
+                    smoothing.y * smoothing.z,
+                    smoothing.x * smoothing.z,
+                    smoothing.x * smoothing.y,
+                );
                 sum += scalar(index + offset) * offset.as_dvec3() * across;
             }
             sum / 32.0
@@ -150,7 +170,10 @@ mod tests {
         let values: Vec<f32> = (0..24).map(|i| i as f32).collect();
         let grid = Grid::axis_aligned([2, 3, 4], DVec3::ONE, DVec3::ZERO);
         let volume = Volume::new("t", grid, Voxels::F32(values)).unwrap();
-        assert_eq!(gradients(&volume, Method::Central, Storage::Rgba8).len(), 24 * 4);
+        assert_eq!(
+            gradients(&volume, Method::Central, Storage::Rgba8).len(),
+            24 * 4
+        );
         let bytes = gradients(&volume, Method::Sobel, Storage::Rgba16f);
         assert_eq!(bytes.len(), 24 * 8);
         // In the middle of y the values rise by 2 a row, of 23 in all.

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use volgraph_graph::{Folders, PortType, Source, SourceKind};
 use volgraph_report::{Finding, Findings, did_you_mean};
 use volgraph_shader::{ParamSpec, ParamValue};
-use volgraph_volume::analytic::{AnalyticField, sample};
 use volgraph_volume::ScalarType;
+use volgraph_volume::analytic::{AnalyticField, sample};
 
 use super::Given;
 use super::volume::VolumeSource;
@@ -36,7 +36,11 @@ impl SourceKind for AnalyticKind {
         let mut specs = vec![
             ParamSpec::text("field", "", format!("The function: {}.", names.join(", "))),
             ParamSpec::vector("dims", &[64.0; 3], "Voxels along x, y, z."),
-            ParamSpec::text("type", "float32", "Scalar type; whole-number types hold 0..1 over their range."),
+            ParamSpec::text(
+                "type",
+                "float32",
+                "Scalar type; whole-number types hold 0..1 over their range.",
+            ),
         ];
         for info in names.iter().filter_map(|name| AnalyticField::info(name)) {
             for parameter in info.parameters {
@@ -61,9 +65,15 @@ impl SourceKind for AnalyticKind {
         let name = given.text("field").unwrap_or("");
         let type_name = given.text("type").unwrap_or("float32");
         let Some(scalar_type) = ScalarType::parse(type_name) else {
-            return Err(Finding::error("bad-param", format!("field `type`: `{type_name}` is not a scalar type"))
-                .help_opt(did_you_mean(type_name, ["uint8", "uint16", "float32", "float64"]))
-                .into());
+            return Err(Finding::error(
+                "bad-param",
+                format!("field `type`: `{type_name}` is not a scalar type"),
+            )
+            .help_opt(did_you_mean(
+                type_name,
+                ["uint8", "uint16", "float32", "float64"],
+            ))
+            .into());
         };
         let own: Vec<(String, f64)> = params
             .iter()
@@ -78,6 +88,8 @@ impl SourceKind for AnalyticKind {
             .and_then(|field| sample(&field, dims, scalar_type))
             .map_err(|error| Findings::from(Finding::from(error)))?;
         progress(1, 1);
-        Ok(Arc::new(VolumeSource { volume: Arc::new(volume) }))
+        Ok(Arc::new(VolumeSource {
+            volume: Arc::new(volume),
+        }))
     }
 }

@@ -38,7 +38,11 @@ impl SourceKind for ImageKind {
     }
 
     fn params(&self) -> Vec<ParamSpec> {
-        vec![ParamSpec::text("path", "", "The file, relative to the graph file.")]
+        vec![ParamSpec::text(
+            "path",
+            "",
+            "The file, relative to the graph file.",
+        )]
     }
 
     fn load(
@@ -48,12 +52,17 @@ impl SourceKind for ImageKind {
         _progress: volgraph_graph::Progress<'_>,
     ) -> Result<Arc<dyn Source>, Findings> {
         let path = Given(params).path("path", folders)?;
-        let picture = Picture::load(&path)
-            .map_err(|error| Finding::error("image", error.to_string()).at(Place::whole_file(&path)))?;
+        let picture = Picture::load(&path).map_err(|error| {
+            Finding::error("image", error.to_string()).at(Place::whole_file(&path))
+        })?;
         let mut hasher = volgraph_graph::fingerprint::Hasher::new();
         hasher.part(&picture.width.to_le_bytes());
         hasher.part(bytemuck::cast_slice(&picture.color));
-        Ok(Arc::new(ImageSource { digest: hasher.finish(), picture: Arc::new(picture), path }))
+        Ok(Arc::new(ImageSource {
+            digest: hasher.finish(),
+            picture: Arc::new(picture),
+            path,
+        }))
     }
 }
 
@@ -67,7 +76,12 @@ impl Source for ImageSource {
     }
 
     fn summary(&self) -> String {
-        format!("{} {}x{}", self.path.display(), self.picture.width, self.picture.height)
+        format!(
+            "{} {}x{}",
+            self.path.display(),
+            self.picture.width,
+            self.picture.height
+        )
     }
 
     fn files(&self) -> Vec<PathBuf> {

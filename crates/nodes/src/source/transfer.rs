@@ -37,7 +37,11 @@ impl SourceKind for TransferKind {
     }
 
     fn params(&self) -> Vec<ParamSpec> {
-        vec![ParamSpec::text("path", "", "The file, relative to the graph file.")]
+        vec![ParamSpec::text(
+            "path",
+            "",
+            "The file, relative to the graph file.",
+        )]
     }
 
     fn load(
@@ -63,7 +67,11 @@ impl Source for TransferSource {
 
     fn summary(&self) -> String {
         let (lo, hi) = self.transfer.range();
-        format!("{} {:?} {lo}..{hi}", self.path.display(), self.transfer.domain())
+        format!(
+            "{} {:?} {lo}..{hi}",
+            self.path.display(),
+            self.transfer.domain()
+        )
     }
 
     fn files(&self) -> Vec<PathBuf> {

@@ -39,13 +39,38 @@ impl SourceKind for VolumeKind {
     fn params(&self) -> Vec<ParamSpec> {
         vec![
             ParamSpec::text("path", "", "The file, relative to the graph file."),
-            ParamSpec::vector("dims", &[0.0; 3], "Voxels along x, y, z of a raw file whose name does not say."),
-            ParamSpec::text("type", "", "Scalar type of a raw file whose name does not say, such as uint8."),
-            ParamSpec::bool("big_endian", false, "A raw file has its highest byte first."),
-            ParamSpec::vector("spacing", &[0.0; 3], "Distances between voxels in world units, instead of the file's; a negative one turns its axis around."),
-            ParamSpec::vector("origin", &[0.0; 3], "World position of the first voxel's centre, instead of the file's."),
-            ParamSpec::bool("node_centred", false, "The box spans voxel centre to voxel centre."),
-            ParamSpec::int("component", 0, "Which of several values per voxel.").range(0.0, 65535.0),
+            ParamSpec::vector(
+                "dims",
+                &[0.0; 3],
+                "Voxels along x, y, z of a raw file whose name does not say.",
+            ),
+            ParamSpec::text(
+                "type",
+                "",
+                "Scalar type of a raw file whose name does not say, such as uint8.",
+            ),
+            ParamSpec::bool(
+                "big_endian",
+                false,
+                "A raw file has its highest byte first.",
+            ),
+            ParamSpec::vector(
+                "spacing",
+                &[0.0; 3],
+                "Distances between voxels in world units, instead of the file's; a negative one turns its axis around.",
+            ),
+            ParamSpec::vector(
+                "origin",
+                &[0.0; 3],
+                "World position of the first voxel's centre, instead of the file's.",
+            ),
+            ParamSpec::bool(
+                "node_centred",
+                false,
+                "The box spans voxel centre to voxel centre.",
+            ),
+            ParamSpec::int("component", 0, "Which of several values per voxel.")
+                .range(0.0, 65535.0),
         ]
     }
 
@@ -81,7 +106,9 @@ impl SourceKind for VolumeKind {
             progress: None,
         };
         let volume = load_with_progress(&path, options, progress)?;
-        Ok(Arc::new(VolumeSource { volume: Arc::new(volume) }))
+        Ok(Arc::new(VolumeSource {
+            volume: Arc::new(volume),
+        }))
     }
 }
 
@@ -105,9 +132,12 @@ fn load_with_progress(
         }
         match reader.join() {
             Ok(result) => result.map_err(|error| Findings::from(Finding::from(error))),
-            Err(_) => Err(Finding::error("internal", format!("the reader of `{}` panicked", path.display()))
-                .help("please report this file")
-                .into()),
+            Err(_) => Err(Finding::error(
+                "internal",
+                format!("the reader of `{}` panicked", path.display()),
+            )
+            .help("please report this file")
+            .into()),
         }
     })
 }
@@ -154,7 +184,9 @@ impl Source for VolumeSource {
         }
         let infinite = statistics.positive_infinity_count + statistics.negative_infinity_count;
         if infinite > 0 {
-            warnings.push(format!("{infinite} voxels are infinite; they are read as the nearest finite value"));
+            warnings.push(format!(
+                "{infinite} voxels are infinite; they are read as the nearest finite value"
+            ));
         }
         warnings
     }

@@ -31,7 +31,8 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
     let mut gpu_ms: Vec<f64> = Vec::new();
     let mut last = None;
     for frame in 0..args.warm_up + args.frames {
-        let turn = DQuat::from_axis_angle(first.camera.up, (f64::from(frame) * args.turn).to_radians());
+        let turn =
+            DQuat::from_axis_angle(first.camera.up, (f64::from(frame) * args.turn).to_radians());
         let mut camera = first.camera;
         camera.eye = target + turn * (first.camera.eye - target);
         camera.right = turn * camera.right;
@@ -79,5 +80,9 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
 fn middle(session: &Session) -> glam::DVec3 {
     let corners = session.plan().corners();
     let sum: glam::DVec3 = corners.iter().sum();
-    if corners.is_empty() { sum } else { sum / corners.len() as f64 }
+    if corners.is_empty() {
+        sum
+    } else {
+        sum / corners.len() as f64
+    }
 }

@@ -33,11 +33,20 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     let mut findings = Findings::new();
     let files = files(&args.paths, &mut findings);
     let registry = registry();
-    let folders = ShaderFolders { own: args.shaders.clone() };
-    let is_wgsl = |path: &&PathBuf| path.extension().is_some_and(|extension| extension == "wgsl");
+    let folders = ShaderFolders {
+        own: args.shaders.clone(),
+    };
+    let is_wgsl = |path: &&PathBuf| {
+        path.extension()
+            .is_some_and(|extension| extension == "wgsl")
+    };
     let wgsl: Vec<&Path> = files.iter().filter(is_wgsl).map(PathBuf::as_path).collect();
     findings.extend(shaders::check(&wgsl, &registry, &folders));
-    let graphs = graphs::Checker { registry: &registry, folders: &folders, data: &args.data };
+    let graphs = graphs::Checker {
+        registry: &registry,
+        folders: &folders,
+        data: &args.data,
+    };
     for path in files.iter().filter(|path| !is_wgsl(path)) {
         findings.extend(check_ron(path, &graphs));
     }
@@ -63,15 +72,21 @@ fn files(paths: &[PathBuf], findings: &mut Findings) -> Vec<PathBuf> {
             Ok(metadata) if metadata.is_dir() => search(path, 0, &mut files, findings),
             Ok(_) if is_checked(path) => files.push(path.clone()),
             Ok(_) => findings.push(
-                Finding::error("unknown-file", "only files that end in .wgsl or .ron are checked")
-                    .at(Place::whole_file(path))
-                    .help("name a shader, a graph, a transfer function, or a folder of these"),
+                Finding::error(
+                    "unknown-file",
+                    "only files that end in .wgsl or .ron are checked",
+                )
+                .at(Place::whole_file(path))
+                .help("name a shader, a graph, a transfer function, or a folder of these"),
             ),
             Err(error) => findings.push(unreadable(path, &error)),
         }
     }
     // As the linker names them: `a.wgsl`, not `./a.wgsl`.
-    let mut files: Vec<PathBuf> = files.iter().map(|path| path.strip_prefix(".").unwrap_or(path).to_path_buf()).collect();
+    let mut files: Vec<PathBuf> = files
+        .iter()
+        .map(|path| path.strip_prefix(".").unwrap_or(path).to_path_buf())
+        .collect();
     files.sort();
     let mut seen = HashSet::new();
     files.retain(|path| seen.insert(fs::canonicalize(path).unwrap_or_else(|_| path.clone())));
@@ -97,7 +112,8 @@ fn search(folder: &Path, depth: usize, files: &mut Vec<PathBuf>, findings: &mut 
 }
 
 fn is_checked(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension == "wgsl" || extension == "ron")
+    path.extension()
+        .is_some_and(|extension| extension == "wgsl" || extension == "ron")
 }
 
 fn unreadable(path: &Path, error: &std::io::Error) -> Finding {
@@ -112,11 +128,18 @@ fn check_ron(path: &Path, graphs: &graphs::Checker<'_>) -> Findings {
         Ok(text) => text,
         Err(finding) => return finding.into(),
     };
-    let entries = match Document::parse(path, &text).map_err(Findings::from).and_then(|document| document.fields()) {
+    let entries = match Document::parse(path, &text)
+        .map_err(Findings::from)
+        .and_then(|document| document.fields())
+    {
         Ok(entries) => entries,
         Err(findings) => return findings,
     };
-    let has = |names: &[&str]| entries.iter().any(|entry| names.contains(&entry.name.as_str()));
+    let has = |names: &[&str]| {
+        entries
+            .iter()
+            .any(|entry| names.contains(&entry.name.as_str()))
+    };
     if has(&["nodes", "sources", "outputs"]) {
         graphs.check(path, text)
     } else if has(&["points", "color", "opacity", "extinction", "domain"]) {
@@ -132,7 +155,10 @@ fn check_ron(path: &Path, graphs: &graphs::Checker<'_>) -> Findings {
 fn read(path: &Path) -> Result<String, Finding> {
     let metadata = fs::metadata(path).map_err(|error| unreadable(path, &error))?;
     if metadata.len() > MAX_RON_BYTES {
-        return Err(Finding::error("too-large", "a RON file of more than 4 MiB is refused").at(Place::whole_file(path)));
+        return Err(
+            Finding::error("too-large", "a RON file of more than 4 MiB is refused")
+                .at(Place::whole_file(path)),
+        );
     }
     fs::read_to_string(path).map_err(|error| unreadable(path, &error))
 }
@@ -142,8 +168,15 @@ fn each_once(findings: Findings) -> Findings {
     let mut seen = HashSet::new();
     let mut is_new = |finding: &Finding| {
         let is_exact = finding.place.as_ref().is_some_and(|place| place.line > 0);
-        let message = if is_exact { String::new() } else { finding.message.clone() };
+        let message = if is_exact {
+            String::new()
+        } else {
+            finding.message.clone()
+        };
         seen.insert((finding.code, message, finding.place.clone()))
     };
-    findings.into_iter().filter(|finding| is_new(finding)).collect()
+    findings
+        .into_iter()
+        .filter(|finding| is_new(finding))
+        .collect()
 }

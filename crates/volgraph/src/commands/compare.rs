@@ -14,8 +14,11 @@ use crate::output;
 
 pub fn run(args: &CompareArgs) -> anyhow::Result<ExitCode> {
     let mut findings = Findings::new();
-    let mut load = |path: &Path| findings.take(Picture::load(path).map_err(|e| errors::of_picture(&e, path)));
-    let (Some(a), Some(b)) = (load(&args.a), load(&args.b)) else { return Err(findings.into()) };
+    let mut load =
+        |path: &Path| findings.take(Picture::load(path).map_err(|e| errors::of_picture(&e, path)));
+    let (Some(a), Some(b)) = (load(&args.a), load(&args.b)) else {
+        return Err(findings.into());
+    };
     let comparison = compare(&a, &b)
         .map_err(|error| Findings::from(errors::of_comparison(&error, &args.a, &args.b)))?;
     if args.json {
@@ -34,8 +37,18 @@ pub fn run(args: &CompareArgs) -> anyhow::Result<ExitCode> {
 /// A finding for each bound that the pictures pass.
 fn exceeded(args: &CompareArgs, comparison: &Comparison) -> Findings {
     let bounds = [
-        ("over-max-rmse", "root mean square error", comparison.rmse, args.max_rmse),
-        ("over-max-error", "largest error", comparison.max.error, args.max_error),
+        (
+            "over-max-rmse",
+            "root mean square error",
+            comparison.rmse,
+            args.max_rmse,
+        ),
+        (
+            "over-max-error",
+            "largest error",
+            comparison.max.error,
+            args.max_error,
+        ),
     ];
     bounds
         .into_iter()
@@ -52,7 +65,16 @@ fn exceeded(args: &CompareArgs, comparison: &Comparison) -> Findings {
 }
 
 fn text(comparison: &Comparison) -> String {
-    let Comparison { rmse, max, p999, psnr_db, mean_error, flip, depth, opacity } = comparison;
+    let Comparison {
+        rmse,
+        max,
+        p999,
+        psnr_db,
+        mean_error,
+        flip,
+        depth,
+        opacity,
+    } = comparison;
     let mut text = format!(
         "rmse          {rmse:.6e}  ({:.3}/255)\n\
          maximum       {:.6e}  ({:.3}/255), {:?} at ({}, {})\n\
@@ -77,7 +99,15 @@ fn text(comparison: &Comparison) -> String {
         None => writeln!(text, "flip          not taken: the picture is too large"),
     };
     for (name, layer) in [("depth", depth), ("opacity", opacity)] {
-        if let Some(ScalarDifference { compared, one_sided, rmse, max, p999, .. }) = layer {
+        if let Some(ScalarDifference {
+            compared,
+            one_sided,
+            rmse,
+            max,
+            p999,
+            ..
+        }) = layer
+        {
             let max = max.map_or(0.0, |max| max.error);
             let _ = writeln!(
                 text,

@@ -9,9 +9,11 @@ use volgraph_picture::PictureError;
 /// A finding for a picture that was not saved or loaded. `file` is the picture's.
 pub fn of_picture(error: &PictureError, file: &Path) -> Finding {
     let (code, message, help) = match error {
-        PictureError::Io { source, .. } => {
-            ("io", source.to_string(), "check the path, its folder and your permissions")
-        }
+        PictureError::Io { source, .. } => (
+            "io",
+            source.to_string(),
+            "check the path, its folder and your permissions",
+        ),
         PictureError::Extension { .. } => (
             "picture-extension",
             "the extension names no picture format".to_owned(),
@@ -26,16 +28,20 @@ pub fn of_picture(error: &PictureError, file: &Path) -> Finding {
         PictureError::Shape { .. } | PictureError::Metadata { .. } => {
             ("picture", error.to_string(), "please report this as a bug")
         }
-        PictureError::Encode { cause, .. } => {
-            ("picture-encode", format!("the picture cannot be encoded: {cause}"), "use another size")
-        }
+        PictureError::Encode { cause, .. } => (
+            "picture-encode",
+            format!("the picture cannot be encoded: {cause}"),
+            "use another size",
+        ),
         PictureError::Decode { cause, .. } => (
             "picture-decode",
             format!("the picture cannot be read: {cause}"),
             "the file is cut short or damaged, or uses a rare feature; save it again",
         ),
     };
-    Finding::error(code, message).at(Place::whole_file(file)).help(help)
+    Finding::error(code, message)
+        .at(Place::whole_file(file))
+        .help(help)
 }
 
 /// A finding for two pictures, `a` and `b`, that cannot be compared.
@@ -50,5 +56,7 @@ pub fn of_comparison(error: &MeasureError, a: &Path, b: &Path) -> Finding {
             Finding::error("measure", error.to_string())
         }
     };
-    finding.at(Place::whole_file(a)).related(Place::whole_file(b), "the other picture")
+    finding
+        .at(Place::whole_file(a))
+        .related(Place::whole_file(b), "the other picture")
 }

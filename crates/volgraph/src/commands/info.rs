@@ -29,7 +29,9 @@ pub fn run(args: &InfoArgs) -> anyhow::Result<ExitCode> {
         scalar_type: args.scalar_type,
         big_endian: args.big_endian,
         component: args.component,
-        progress: Some(Arc::new(move |done, total| shown.update(&what, done, total))),
+        progress: Some(Arc::new(move |done, total| {
+            shown.update(&what, done, total);
+        })),
         ..LoadOptions::default()
     };
     let loaded = Volume::load(&args.volume, &options);
@@ -38,7 +40,11 @@ pub fn run(args: &InfoArgs) -> anyhow::Result<ExitCode> {
     if args.json {
         output::print_json(&to_json(&volume, format(&args.volume)));
     } else {
-        output::print(&format!("format       {}\n{}", format(&args.volume), text(&volume)));
+        output::print(&format!(
+            "format       {}\n{}",
+            format(&args.volume),
+            text(&volume)
+        ));
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -59,18 +65,29 @@ fn format(path: &Path) -> &'static str {
 fn directions(grid: &Grid) -> DMat3 {
     let spacing = grid.spacing();
     let axes = grid.world_from_index.matrix3;
-    DMat3::from_cols(axes.x_axis / spacing.x, axes.y_axis / spacing.y, axes.z_axis / spacing.z)
+    DMat3::from_cols(
+        axes.x_axis / spacing.x,
+        axes.y_axis / spacing.y,
+        axes.z_axis / spacing.z,
+    )
 }
 
 /// The world axes that the index axes run along, such as `+x -y +z`; `None` where one runs between them.
 fn along(directions: DMat3) -> Option<String> {
     let name = |direction: DVec3| {
-        let (axis, length) = direction.abs().to_array().into_iter().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (axis, length) = direction
+            .abs()
+            .to_array()
+            .into_iter()
+            .enumerate()
+            .max_by(|a, b| a.1.total_cmp(&b.1))?;
         let sign = if direction[axis] < 0.0 { '-' } else { '+' };
         (length > 1.0 - 1e-9).then(|| format!("{sign}{}", ["x", "y", "z"][axis]))
     };
-    let names: Option<Vec<String>> =
-        [directions.x_axis, directions.y_axis, directions.z_axis].into_iter().map(name).collect();
+    let names: Option<Vec<String>> = [directions.x_axis, directions.y_axis, directions.z_axis]
+        .into_iter()
+        .map(name)
+        .collect();
     Some(names?.join(" "))
 }
 
@@ -90,7 +107,10 @@ fn text(volume: &Volume) -> String {
     );
     // Writing to a String does not fail.
     let _ = match along(directions) {
-        Some(axes) => writeln!(out, "orientation  index axes along {axes} of the world (LPS)"),
+        Some(axes) => writeln!(
+            out,
+            "orientation  index axes along {axes} of the world (LPS)"
+        ),
         None => {
             let rows = directions.transpose();
             let row = |v: DVec3| format!("{:>9.6} {:>9.6} {:>9.6}", v.x, v.y, v.z);
@@ -126,7 +146,9 @@ fn text(volume: &Volume) -> String {
     let _ = writeln!(
         out,
         "not finite   {} not a number, {} plus infinity, {} minus infinity",
-        statistics.nan_count, statistics.positive_infinity_count, statistics.negative_infinity_count
+        statistics.nan_count,
+        statistics.positive_infinity_count,
+        statistics.negative_infinity_count
     );
     out.push_str(&histogram(volume));
     for warning in volume.warnings() {
@@ -145,7 +167,8 @@ fn histogram(volume: &Volume) -> String {
     }
     let mut out = "histogram    from, voxels (lengths are logarithms)\n".to_owned();
     let width = (histogram.hi - histogram.lo) / HISTOGRAM_ROWS as f64;
-    let length = |count: u64| (count as f64 + 1.0).ln() / (most as f64 + 1.0).ln() * HISTOGRAM_COLUMNS;
+    let length =
+        |count: u64| (count as f64 + 1.0).ln() / (most as f64 + 1.0).ln() * HISTOGRAM_COLUMNS;
     for (row, &count) in histogram.counts.iter().enumerate() {
         let from = histogram.lo + row as f64 * width;
         let bar = "#".repeat(length(count).round() as usize);
@@ -161,8 +184,10 @@ fn to_json(volume: &Volume, format: &str) -> Value {
     let grid = volume.grid();
     let statistics = volume.statistics();
     let directions = directions(grid);
-    let percentiles: serde_json::Map<String, Value> =
-        PERCENTILES.iter().map(|&p| (p.to_string(), json!(statistics.percentile(p)))).collect();
+    let percentiles: serde_json::Map<String, Value> = PERCENTILES
+        .iter()
+        .map(|&p| (p.to_string(), json!(statistics.percentile(p))))
+        .collect();
     json!({
         "name": volume.name(),
         "format": format,

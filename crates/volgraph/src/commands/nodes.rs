@@ -18,7 +18,10 @@ use crate::output;
 pub fn run(args: &NodesArgs) -> anyhow::Result<ExitCode> {
     let registry = registry();
     let shaders = Shaders {
-        roots: ShaderFolders { own: args.shaders.clone() }.roots(None),
+        roots: ShaderFolders {
+            own: args.shaders.clone(),
+        }
+        .roots(None),
         defaults: registry.default_slots(),
     };
     let is_asked = |name: &str| args.kind.as_deref().is_none_or(|kind| kind == name);
@@ -37,9 +40,11 @@ pub fn run(args: &NodesArgs) -> anyhow::Result<ExitCode> {
             .nodes()
             .map(|kind| kind.name())
             .chain(registry.sources().map(|kind| kind.name()));
-        let finding =
-            Finding::error("unknown-kind", format!("no kind of node or source is named `{kind}`"))
-                .help_opt(did_you_mean(kind, known));
+        let finding = Finding::error(
+            "unknown-kind",
+            format!("no kind of node or source is named `{kind}`"),
+        )
+        .help_opt(did_you_mean(kind, known));
         return Err(Findings::from(finding).into());
     }
     if args.json {
@@ -113,9 +118,12 @@ impl Shaders {
         match check_file(&self.roots, path, &self.defaults, Capabilities::default()) {
             Ok(module) => {
                 let own = module.linked.files.last();
-                let doc = own.map(|file| first_sentence(&file.text)).unwrap_or_default();
-                let is_own =
-                    |spec: &&ParamSpec| spec.place.as_ref().map(|p| &p.file) == own.map(|file| &file.path);
+                let doc = own
+                    .map(|file| first_sentence(&file.text))
+                    .unwrap_or_default();
+                let is_own = |spec: &&ParamSpec| {
+                    spec.place.as_ref().map(|p| &p.file) == own.map(|file| &file.path)
+                };
                 json!({
                     "path": own.map(|file| &file.path),
                     "doc": doc,
@@ -133,8 +141,13 @@ impl Shaders {
 
 /// The first sentence of the comment at the start of a shader.
 fn first_sentence(text: &str) -> String {
-    let lines = text.lines().map_while(|line| line.trim().strip_prefix("//"));
-    let comment = lines.map(|line| line.trim_start_matches('/').trim()).collect::<Vec<_>>().join(" ");
+    let lines = text
+        .lines()
+        .map_while(|line| line.trim().strip_prefix("//"));
+    let comment = lines
+        .map(|line| line.trim_start_matches('/').trim())
+        .collect::<Vec<_>>()
+        .join(" ");
     match comment.split_once(". ") {
         Some((sentence, _)) => format!("{sentence}."),
         None => comment,
@@ -164,17 +177,39 @@ fn text(nodes: &[Value], sources: &[Value]) -> String {
     for node in nodes {
         heading(&mut out, "node", node);
         for port in list(&node["inputs"]) {
-            let made_by = port["made_by"].as_str().map(|kind| format!(", by `{kind}`")).unwrap_or_default();
+            let made_by = port["made_by"]
+                .as_str()
+                .map(|kind| format!(", by `{kind}`"))
+                .unwrap_or_default();
             let requirement = format!("{}{made_by}", word(&port["requirement"]));
-            line(&mut out, 2, &format!("in    {}: {} ({requirement})", word(&port["name"]), word(&port["type"])), port);
+            line(
+                &mut out,
+                2,
+                &format!(
+                    "in    {}: {} ({requirement})",
+                    word(&port["name"]),
+                    word(&port["type"])
+                ),
+                port,
+            );
         }
         for port in list(&node["outputs"]) {
-            line(&mut out, 2, &format!("out   {}: {}", word(&port["name"]), word(&port["type"])), port);
+            line(
+                &mut out,
+                2,
+                &format!("out   {}: {}", word(&port["name"]), word(&port["type"])),
+                port,
+            );
         }
         params(&mut out, 2, &node["params"]);
         params(&mut out, 2, &node["shader"]["params"]);
         for slot in list(&node["slots"]) {
-            line(&mut out, 2, &format!("slot  {} = {}", word(&slot["name"]), word(&slot["default"])), slot);
+            line(
+                &mut out,
+                2,
+                &format!("slot  {} = {}", word(&slot["name"]), word(&slot["default"])),
+                slot,
+            );
             for choice in list(&slot["choices"]) {
                 line(&mut out, 6, word(&choice["name"]), choice);
                 params(&mut out, 8, &choice["params"]);
@@ -197,7 +232,11 @@ fn heading(out: &mut String, what: &str, value: &Value) {
 
 fn params(out: &mut String, indent: usize, params: &Value) {
     for param in list(params) {
-        let mut head = format!("param {} = {}", word(&param["name"]), word(&param["default_text"]));
+        let mut head = format!(
+            "param {} = {}",
+            word(&param["name"]),
+            word(&param["default_text"])
+        );
         // Writing to a String does not fail.
         if let Some([low, high]) = param["range"].as_array().map(Vec::as_slice) {
             let _ = write!(head, ", {low} to {high}");

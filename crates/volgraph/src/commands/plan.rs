@@ -18,7 +18,12 @@ pub fn run(args: &PlanArgs) -> anyhow::Result<ExitCode> {
         }
         None => (Limits::default(), naga::valid::Capabilities::default()),
     };
-    let plan = scene.plan(&scene.shader_library(capabilities), &limits, args.scene.size, false)?;
+    let plan = scene.plan(
+        &scene.shader_library(capabilities),
+        &limits,
+        args.scene.size,
+        false,
+    )?;
     if args.json {
         output::print_json(&plan.to_json());
     } else if args.dot {

@@ -14,9 +14,16 @@ use crate::args::RenderArgs;
 use crate::output;
 
 pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
-    let extension = args.output.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
+    let extension = args
+        .output
+        .extension()
+        .and_then(|e| e.to_str())
+        .unwrap_or("")
+        .to_lowercase();
     if extension != "png" && extension != "exr" {
-        let error = PictureError::Extension { path: args.output.clone() };
+        let error = PictureError::Extension {
+            path: args.output.clone(),
+        };
         return Err(Findings::from(errors::of_picture(&error, &args.output)).into());
     }
     let start = Instant::now();
@@ -33,7 +40,11 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
     let ready = start.elapsed();
     let (picture, report) = session.render()?;
     let drawn = start.elapsed();
-    let bits = if args.png_bits == "16" { PngBits::Sixteen } else { PngBits::Eight };
+    let bits = if args.png_bits == "16" {
+        PngBits::Sixteen
+    } else {
+        PngBits::Eight
+    };
     let saved = picture
         .save(&args.output, SaveOptions::default().with_png_bits(bits))
         .map_err(|error| Findings::from(errors::of_picture(&error, &args.output)))?;

@@ -1,5 +1,7 @@
 //! The command line as people and machines meet it: exit codes, what is printed where, and that it always ends.
 
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 mod bad_input;
 mod commands;
 mod planted;
@@ -46,7 +48,10 @@ impl Scratch {
             .unwrap();
         let (sender, receiver) = mpsc::channel();
         std::thread::spawn(move || sender.send(child.wait_with_output()));
-        let output = receiver.recv_timeout(PATIENCE).unwrap_or_else(|_| panic!("{args:?} hangs")).unwrap();
+        let output = receiver
+            .recv_timeout(PATIENCE)
+            .unwrap_or_else(|_| panic!("{args:?} hangs"))
+            .unwrap();
         let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
         let run = Run {
             code: output.status.code(),
@@ -74,7 +79,10 @@ impl Run {
 
 /// The repository's root.
 fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../..")
+        .canonicalize()
+        .unwrap()
 }
 
 /// Copies a folder of the repository.

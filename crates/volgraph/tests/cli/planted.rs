@@ -129,14 +129,32 @@ fn each_planted_error_is_found_where_its_author_put_it() {
     for planted in &PLANTED {
         let scratch = Scratch::new();
         copy("shaders", scratch.path());
-        let quickstart = std::fs::read_to_string(crate::root().join("graphs/quickstart.ron")).unwrap();
+        let quickstart =
+            std::fs::read_to_string(crate::root().join("graphs/quickstart.ron")).unwrap();
         scratch.write("graphs/quickstart.ron", quickstart);
         copy("graphs/transfer", scratch.path());
         let text = std::fs::read_to_string(scratch.path().join(planted.file)).unwrap();
-        assert!(text.contains(planted.find), "{}: {} has changed", planted.what, planted.file);
-        let text = if planted.find.is_empty() { text + planted.with } else { text.replacen(planted.find, planted.with, 1) };
+        assert!(
+            text.contains(planted.find),
+            "{}: {} has changed",
+            planted.what,
+            planted.file
+        );
+        let text = if planted.find.is_empty() {
+            text + planted.with
+        } else {
+            text.replacen(planted.find, planted.with, 1)
+        };
         scratch.write(planted.file, &text);
-        let run = scratch.run(&["check", "shaders", "graphs", "--shaders", "shaders", "--format", "json"]);
+        let run = scratch.run(&[
+            "check",
+            "shaders",
+            "graphs",
+            "--shaders",
+            "shaders",
+            "--format",
+            "json",
+        ]);
         let start = text.find(planted.needle).unwrap();
         let place = Place::in_text(planted.file.as_ref(), &text, start, 1);
         let found = run.json();
@@ -151,7 +169,12 @@ fn each_planted_error_is_found_where_its_author_put_it() {
                 .as_array()
                 .unwrap()
                 .iter()
-                .map(|f| format!("{} {}:{}:{} {}", f["code"], f["file"], f["line"], f["column"], f["message"]))
+                .map(|f| {
+                    format!(
+                        "{} {}:{}:{} {}",
+                        f["code"], f["file"], f["line"], f["column"], f["message"]
+                    )
+                })
                 .collect();
             wrong.push(format!(
                 "{}: exit {:?}, expected {} at {place}, found\n  {}",
@@ -176,10 +199,17 @@ fn without_a_planted_error_the_same_copy_passes() {
 #[test]
 fn a_library_that_nobody_imports_is_checked_alone() {
     let scratch = Scratch::new();
-    scratch.write("shaders/lib/alone.wgsl", "// Nobody needs it.\nfn alone() -> f32 {\n    return nothing;\n}\n");
+    scratch.write(
+        "shaders/lib/alone.wgsl",
+        "// Nobody needs it.\nfn alone() -> f32 {\n    return nothing;\n}\n",
+    );
     let run = scratch.run(&["check", "shaders"]);
     assert_eq!(run.code, Some(1));
-    assert!(run.stderr.contains("shaders/lib/alone.wgsl:3:12"), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("shaders/lib/alone.wgsl:3:12"),
+        "{}",
+        run.stderr
+    );
     assert!(run.stderr.contains("wgsl-type"), "{}", run.stderr);
     assert_eq!(run.stdout.trim(), "1 file checked, 1 error");
 }
@@ -190,24 +220,42 @@ fn a_choice_of_ones_own_is_checked_in_its_slot() {
     let good = "// The scalar at a point: one.\nfn reconstruct_scalar(position: vec3f) -> f32 {\n    return 1.0;\n}\n";
     scratch.write("mine/slot/reconstruct/one.wgsl", good);
     assert_eq!(scratch.run(&["check", "mine"]).code, Some(0));
-    scratch.write("mine/slot/reconstruct/one.wgsl", good.replace("(position: vec3f)", "(position: vec2f)"));
+    scratch.write(
+        "mine/slot/reconstruct/one.wgsl",
+        good.replace("(position: vec3f)", "(position: vec2f)"),
+    );
     let run = scratch.run(&["check", "mine", "--format", "json"]);
     assert_eq!(run.code, Some(1), "it fits no caller: {run:?}");
-    assert!(run.stdout.contains("in the slot `reconstruct`"), "{}", run.stdout);
+    assert!(
+        run.stdout.contains("in the slot `reconstruct`"),
+        "{}",
+        run.stdout
+    );
 }
 
 #[test]
 fn all_findings_of_all_files_come_at_once_and_in_order() {
     let scratch = Scratch::new();
     scratch.write("b.ron", "(nodes: {}, output: {})");
-    scratch.write("a.ron", "(points: [(at: 0, color: (1, 1, 1), opacity: 2), (at: 1, colr: 3)])");
+    scratch.write(
+        "a.ron",
+        "(points: [(at: 0, color: (1, 1, 1), opacity: 2), (at: 1, colr: 3)])",
+    );
     scratch.write("c.wgsl", "fn c() { let x = ; }");
     scratch.write("d.ron", "(nothing: 1)");
     let run = scratch.run(&["check", ".", "a.ron", "--format", "json"]);
     let found = run.json();
-    let codes: Vec<_> = found.as_array().unwrap().iter().map(|f| (f["file"].as_str().unwrap(), f["code"].as_str().unwrap())).collect();
+    let codes: Vec<_> = found
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|f| (f["file"].as_str().unwrap(), f["code"].as_str().unwrap()))
+        .collect();
     assert_eq!(run.code, Some(1));
-    let files: Vec<_> = codes.iter().map(|(file, _)| file.trim_start_matches("./")).collect();
+    let files: Vec<_> = codes
+        .iter()
+        .map(|(file, _)| file.trim_start_matches("./"))
+        .collect();
     let mut sorted = files.clone();
     sorted.sort_unstable();
     assert_eq!(files, sorted);
@@ -215,7 +263,12 @@ fn all_findings_of_all_files_come_at_once_and_in_order() {
         assert!(files.contains(&file), "{file}: {codes:?}");
     }
     let run = scratch.run(&["check", ".", "--format", "github"]);
-    assert!(run.stdout.lines().any(|line| line.starts_with("::error file=") && line.contains(",line=1,col=")), "{run:?}");
+    assert!(
+        run.stdout
+            .lines()
+            .any(|line| line.starts_with("::error file=") && line.contains(",line=1,col=")),
+        "{run:?}"
+    );
 }
 
 #[test]
@@ -226,12 +279,26 @@ fn a_graph_whose_data_is_elsewhere_is_checked_all_the_same() {
     scratch.write("g.ron", &graph);
     let run = scratch.run(&["check", "g.ron"]);
     assert_eq!(run.code, Some(0), "{run:?}");
-    assert!(run.stderr.contains("data-missing") && run.stderr.contains("g.ron:3:"), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("data-missing") && run.stderr.contains("g.ron:3:"),
+        "{}",
+        run.stderr
+    );
     assert_eq!(run.stdout.trim(), "1 file checked, 1 warning");
-    scratch.write("g.ron", graph.replace("\"rays\": \"box\" }", "\"rays\": \"box\" }, params: { \"stpe\": 1 }"));
+    scratch.write(
+        "g.ron",
+        graph.replace(
+            "\"rays\": \"box\" }",
+            "\"rays\": \"box\" }, params: { \"stpe\": 1 }",
+        ),
+    );
     let run = scratch.run(&["check", "g.ron"]);
     assert_eq!(run.code, Some(1));
-    assert!(run.stderr.contains("unknown-param") && run.stderr.contains("data-missing"), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("unknown-param") && run.stderr.contains("data-missing"),
+        "{}",
+        run.stderr
+    );
 }
 
 #[test]

@@ -7,7 +7,10 @@ use volgraph_report::Severity;
 /// `12 files checked`, and how much was found.
 pub fn summary(files: usize, findings: &Findings) -> String {
     let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
-    let errors = findings.into_iter().filter(|finding| finding.severity == Severity::Error).count();
+    let errors = findings
+        .into_iter()
+        .filter(|finding| finding.severity == Severity::Error)
+        .count();
     let mut text = format!("{} checked", count(files, "file"));
     if errors > 0 {
         text += &format!(", {}", count(errors, "error"));
@@ -40,7 +43,10 @@ pub fn json(findings: &Findings) -> Value {
 fn flat(place: Option<&Place>) -> Map<String, Value> {
     let part = |part: fn(&Place) -> Value| place.map_or(Value::Null, part);
     [
-        ("file", part(|place| json!(place.file.display().to_string()))),
+        (
+            "file",
+            part(|place| json!(place.file.display().to_string())),
+        ),
         ("line", part(|place| json!(place.line))),
         ("column", part(|place| json!(place.column))),
         ("length", part(|place| json!(place.length))),
@@ -59,20 +65,33 @@ pub fn github(findings: &Findings) -> String {
         };
         let mut properties = Vec::new();
         if let Some(place) = &finding.place {
-            properties.push(format!("file={}", property(&place.file.display().to_string())));
+            properties.push(format!(
+                "file={}",
+                property(&place.file.display().to_string())
+            ));
             if place.line > 0 {
                 properties.push(format!("line={},col={}", place.line, place.column));
             }
         }
         properties.push(format!("title={}", finding.code));
-        let help = finding.help.as_ref().map(|help| format!("; {help}")).unwrap_or_default();
-        format!("::{command} {}::{}", properties.join(","), escaped(&format!("{}{help}", finding.message)))
+        let help = finding
+            .help
+            .as_ref()
+            .map(|help| format!("; {help}"))
+            .unwrap_or_default();
+        format!(
+            "::{command} {}::{}",
+            properties.join(","),
+            escaped(&format!("{}{help}", finding.message))
+        )
     });
     lines.collect::<Vec<_>>().join("\n")
 }
 
 fn escaped(text: &str) -> String {
-    text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A")
+    text.replace('%', "%25")
+        .replace('\r', "%0D")
+        .replace('\n', "%0A")
 }
 
 fn property(text: &str) -> String {
@@ -89,9 +108,16 @@ mod tests {
 
     #[test]
     fn annotations_escape_what_would_end_them() {
-        let place = Place { file: "a,b:c.wgsl".into(), line: 3, column: 7, length: 1 };
+        let place = Place {
+            file: "a,b:c.wgsl".into(),
+            line: 3,
+            column: 7,
+            length: 1,
+        };
         let findings: Findings = [
-            Finding::error("some-code", "100% wrong\nin two lines").at(place).help("do it"),
+            Finding::error("some-code", "100% wrong\nin two lines")
+                .at(place)
+                .help("do it"),
             Finding::warning("other", "of the whole").at(Place::whole_file(Path::new("z.ron"))),
         ]
         .into_iter()

@@ -6,8 +6,10 @@ use std::sync::Arc;
 use glam::DVec3;
 use indexmap::IndexMap;
 use naga::valid::Capabilities;
-use volgraph::{Finding, Findings, Limits, Overrides, Registry, Scene, ShaderFolders, SourceProgress};
-use volgraph_graph::{Folders, SourceDesc, Source, read, resolve, sources};
+use volgraph::{
+    Finding, Findings, Limits, Overrides, Registry, Scene, ShaderFolders, SourceProgress,
+};
+use volgraph_graph::{Folders, Source, SourceDesc, read, resolve, sources};
 use volgraph_nodes::source::volume::VolumeSource;
 use volgraph_shader::ParamValue;
 use volgraph_volume::{Grid, Volume};
@@ -29,7 +31,10 @@ impl Checker<'_> {
             Ok(desc) => desc,
             Err(findings) => return findings,
         };
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let folder = path
+            .parent()
+            .filter(|folder| !folder.as_os_str().is_empty())
+            .unwrap_or(Path::new("."));
         let folders = Folders::new(folder, self.data);
         let mut findings = Findings::new();
         let mut loaded = IndexMap::new();
@@ -58,7 +63,11 @@ impl Checker<'_> {
         };
         let shaders = scene.shader_library(Capabilities::default());
         // A graph may ask for floats that nearly every device can filter; a plan for a device that cannot tells.
-        let limits = Limits { float32_filterable: true, norm16: true, ..Limits::default() };
+        let limits = Limits {
+            float32_filterable: true,
+            norm16: true,
+            ..Limits::default()
+        };
         for with_layers in [false, true] {
             if let Err(more) = scene.plan(&shaders, &limits, [512, 512], with_layers) {
                 findings.extend(more);
@@ -81,14 +90,20 @@ impl Checker<'_> {
             Ok(source) => Some(source),
             Err(found) => {
                 // Whatever else is wrong with the source is found before its file is looked for.
-                let missing = missing_volume(desc, folders)
-                    .filter(|_| (&found).into_iter().all(|finding| finding.code == "data-missing"));
+                let missing = missing_volume(desc, folders).filter(|_| {
+                    (&found)
+                        .into_iter()
+                        .all(|finding| finding.code == "data-missing")
+                });
                 let stand_in = missing.and_then(|file| Some((file, stand_in(name)?)));
                 let Some(((path, file), stand_in)) = stand_in else {
                     findings.extend(found);
                     return None;
                 };
-                let message = format!("the volume `{}` is not here; the rest is checked without it", file.display());
+                let message = format!(
+                    "the volume `{}` is not here; the rest is checked without it",
+                    file.display()
+                );
                 findings.push(
                     Finding::warning("data-missing", message)
                         .at(path.place.clone())
@@ -101,9 +116,14 @@ impl Checker<'_> {
 }
 
 /// The field and the file of a volume that is not there.
-fn missing_volume<'d>(desc: &'d SourceDesc, folders: &Folders) -> Option<(&'d volgraph_graph::ParamDesc, PathBuf)> {
+fn missing_volume<'d>(
+    desc: &'d SourceDesc,
+    folders: &Folders,
+) -> Option<(&'d volgraph_graph::ParamDesc, PathBuf)> {
     let path = desc.params.get("path").filter(|_| desc.kind == "volume")?;
-    let ParamValue::Text(text) = &path.value else { return None };
+    let ParamValue::Text(text) = &path.value else {
+        return None;
+    };
     let file = folders.find(text);
     (!file.exists()).then_some((path, file))
 }
@@ -113,5 +133,7 @@ fn stand_in(name: &str) -> Option<Arc<dyn Source>> {
     let grid = Grid::axis_aligned([2; 3], DVec3::ONE, DVec3::ZERO);
     let voxels: Vec<u8> = vec![0, 36, 72, 108, 144, 180, 216, 255];
     let volume = Volume::new(name, grid, voxels.into()).ok()?;
-    Some(Arc::new(VolumeSource { volume: Arc::new(volume) }))
+    Some(Arc::new(VolumeSource {
+        volume: Arc::new(volume),
+    }))
 }

@@ -22,13 +22,24 @@ pub fn check(files: &[&Path], registry: &Registry, folders: &ShaderFolders) -> F
     let mut choices = Vec::new();
     for &path in files {
         let folder = tree_of(path);
-        let tree = trees.entry(folder.clone()).or_insert_with(|| Tree::new(&folder, registry, folders));
+        let tree = trees
+            .entry(folder.clone())
+            .or_insert_with(|| Tree::new(&folder, registry, folders));
         match check_file(&tree.roots, path, &tree.slots, Capabilities::default()) {
             Ok(module) => {
                 findings.extend(tree.missing_entries(path, &folder, &module));
-                if let (Some((slot, choice)), Some(file)) = (slot_of(path), module.linked.files.last()) {
+                if let (Some((slot, choice)), Some(file)) =
+                    (slot_of(path), module.linked.files.last())
+                {
                     let place = Place::in_text(&file.path, &file.text, 0, file.text.len());
-                    choices.push((folder, Choice { slot, name: choice, place }));
+                    choices.push((
+                        folder,
+                        Choice {
+                            slot,
+                            name: choice,
+                            place,
+                        },
+                    ));
                 }
             }
             Err(found) => findings.extend(found),
@@ -50,9 +61,16 @@ fn without_repeats(findings: Findings) -> Findings {
         .flat_map(|finding| finding.related.iter().map(|(place, _)| place.clone()))
         .collect();
     let is_repeat = |finding: &Finding| {
-        finding.code == "wgsl-type" && finding.place.as_ref().is_some_and(|place| told.contains(place))
+        finding.code == "wgsl-type"
+            && finding
+                .place
+                .as_ref()
+                .is_some_and(|place| told.contains(place))
     };
-    findings.into_iter().filter(|finding| !is_repeat(finding)).collect()
+    findings
+        .into_iter()
+        .filter(|finding| !is_repeat(finding))
+        .collect()
 }
 
 const SLOT_FUNCTION: &str = "slot-function";
@@ -76,9 +94,16 @@ struct Tree<'a> {
 
 impl<'a> Tree<'a> {
     fn new(folder: &Path, registry: &'a Registry, folders: &ShaderFolders) -> Self {
-        let own = std::iter::once(folder.to_path_buf()).chain(folders.own.iter().cloned()).collect();
+        let own = std::iter::once(folder.to_path_buf())
+            .chain(folders.own.iter().cloned())
+            .collect();
         let roots = ShaderFolders { own }.roots(None);
-        Self { roots, registry, slots: registry.default_slots(), contexts: BTreeMap::new() }
+        Self {
+            roots,
+            registry,
+            slots: registry.default_slots(),
+            contexts: BTreeMap::new(),
+        }
     }
 
     /// A node kind's own shader must have the entry points that the kind runs.
@@ -106,10 +131,14 @@ impl<'a> Tree<'a> {
         let mut findings = Findings::new();
         for context in self.contexts.get(&choice.slot).into_iter().flatten() {
             let request = context.clone().slot(&choice.slot, &choice.name);
-            let checked =
-                link(&self.roots, &request).and_then(|linked| volgraph_shader::check(linked, Capabilities::default()));
+            let checked = link(&self.roots, &request)
+                .and_then(|linked| volgraph_shader::check(linked, Capabilities::default()));
             let Err(found) = checked else { continue };
-            findings.extend(found.into_iter().map(|finding| self.at_choice(finding, choice)));
+            findings.extend(
+                found
+                    .into_iter()
+                    .map(|finding| self.at_choice(finding, choice)),
+            );
         }
         findings
     }
@@ -118,9 +147,15 @@ impl<'a> Tree<'a> {
     fn contexts(&self, slot: &str) -> Vec<LinkRequest> {
         let mut contexts = Vec::new();
         for kind in self.registry.nodes() {
-            let Some(program) = self.registry.default_program(kind.name()) else { continue };
+            let Some(program) = self.registry.default_program(kind.name()) else {
+                continue;
+            };
             let mut request = LinkRequest::new(program.root);
-            request.slots = kind.slots().iter().map(|s| (s.name.to_owned(), s.default.to_owned())).collect();
+            request.slots = kind
+                .slots()
+                .iter()
+                .map(|s| (s.name.to_owned(), s.default.to_owned()))
+                .collect();
             request.slots.extend(program.fixed_slots);
             if !request.slots.contains_key(slot) {
                 continue;
@@ -131,11 +166,20 @@ impl<'a> Tree<'a> {
             let with_another = || {
                 let others = request.slots.keys().filter(|other| *other != slot);
                 others
-                    .flat_map(|other| self.roots.choices(other).into_iter().map(move |choice| (other, choice)))
+                    .flat_map(|other| {
+                        self.roots
+                            .choices(other)
+                            .into_iter()
+                            .map(move |choice| (other, choice))
+                    })
                     .map(|(other, choice)| request.clone().slot(other, choice))
                     .find(imports)
             };
-            contexts.extend(if imports(&request) { Some(request) } else { with_another() });
+            contexts.extend(if imports(&request) {
+                Some(request)
+            } else {
+                with_another()
+            });
         }
         contexts
     }
@@ -148,26 +192,48 @@ impl<'a> Tree<'a> {
             .strip_prefix("no definition in scope for identifier: `")
             .and_then(|rest| rest.split('`').next());
         match (&finding.place, unknown) {
-            (Some(place), Some(name)) if place.file != choice.place.file && self.others_declare(choice, name) => {
-                let message = format!("the slot `{}` asks for `{name}`, which is not declared here", choice.slot);
+            (Some(place), Some(name))
+                if place.file != choice.place.file && self.others_declare(choice, name) =>
+            {
+                let message = format!(
+                    "the slot `{}` asks for `{name}`, which is not declared here",
+                    choice.slot
+                );
                 Finding::error(SLOT_FUNCTION, message)
                     .at(choice.place.clone())
                     .related(place.clone(), "called here")
-                    .help(format!("declare it as the other choices in `slot/{}` do", choice.slot))
+                    .help(format!(
+                        "declare it as the other choices in `slot/{}` do",
+                        choice.slot
+                    ))
             }
-            (Some(place), _) if place.file != choice.place.file => finding.related(choice.place.clone(), note()),
+            (Some(place), _) if place.file != choice.place.file => {
+                finding.related(choice.place.clone(), note())
+            }
             _ => finding,
         }
     }
 
     /// Whether another choice of the same slot declares a function of this name.
     fn others_declare(&self, choice: &Choice, name: &str) -> bool {
-        let others = self.roots.choices(&choice.slot).into_iter().filter(|other| *other != choice.name);
+        let others = self
+            .roots
+            .choices(&choice.slot)
+            .into_iter()
+            .filter(|other| *other != choice.name);
         others.into_iter().any(|other| {
-            let path = Path::new("slot").join(&choice.slot).join(format!("{other}.wgsl"));
-            check_file(&self.roots, &path, &self.slots, Capabilities::default()).is_ok_and(|module| {
-                module.naga.functions.iter().any(|(_, function)| function.name.as_deref() == Some(name))
-            })
+            let path = Path::new("slot")
+                .join(&choice.slot)
+                .join(format!("{other}.wgsl"));
+            check_file(&self.roots, &path, &self.slots, Capabilities::default()).is_ok_and(
+                |module| {
+                    module
+                        .naga
+                        .functions
+                        .iter()
+                        .any(|(_, function)| function.name.as_deref() == Some(name))
+                },
+            )
         })
     }
 }
@@ -176,10 +242,20 @@ impl<'a> Tree<'a> {
 fn tree_of(path: &Path) -> PathBuf {
     let own = path.parent().unwrap_or(Path::new(""));
     let is_part = |folder: &&Path| {
-        folder.file_name().is_some_and(|name| ["lib", "node", "slot"].iter().any(|part| name == *part))
+        folder
+            .file_name()
+            .is_some_and(|name| ["lib", "node", "slot"].iter().any(|part| name == *part))
     };
-    let above = own.ancestors().find(is_part).and_then(Path::parent).unwrap_or(own);
-    if above.as_os_str().is_empty() { PathBuf::from(".") } else { above.to_path_buf() }
+    let above = own
+        .ancestors()
+        .find(is_part)
+        .and_then(Path::parent)
+        .unwrap_or(own);
+    if above.as_os_str().is_empty() {
+        PathBuf::from(".")
+    } else {
+        above.to_path_buf()
+    }
 }
 
 /// Slot and choice of a file `…/slot/<slot>/<choice>.wgsl`.
@@ -188,7 +264,10 @@ fn slot_of(path: &Path) -> Option<(String, String)> {
     if slot.parent()?.file_name()? != "slot" {
         return None;
     }
-    Some((slot.file_name()?.to_str()?.to_owned(), path.file_stem()?.to_str()?.to_owned()))
+    Some((
+        slot.file_name()?.to_str()?.to_owned(),
+        path.file_stem()?.to_str()?.to_owned(),
+    ))
 }
 
 #[cfg(test)]
@@ -203,8 +282,12 @@ mod tests {
         assert_eq!(tree("node/raycast.wgsl"), ".");
         assert_eq!(tree("loose.wgsl"), ".");
         assert_eq!(tree("a/loose.wgsl"), "a");
-        let slot = |path: &str| slot_of(Path::new(path)).map(|(slot, choice)| format!("{slot}={choice}"));
-        assert_eq!(slot("x/slot/light/phong.wgsl").as_deref(), Some("light=phong"));
+        let slot =
+            |path: &str| slot_of(Path::new(path)).map(|(slot, choice)| format!("{slot}={choice}"));
+        assert_eq!(
+            slot("x/slot/light/phong.wgsl").as_deref(),
+            Some("light=phong")
+        );
         assert_eq!(slot("x/lib/light/phong.wgsl"), None);
         assert_eq!(slot("phong.wgsl"), None);
     }
