@@ -1,8 +1,8 @@
 //! All cases, one binary.
 
-#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 #![expect(clippy::unwrap_used, reason = "a case fails by panicking")]
 
+mod accuracy;
 mod agreement;
 mod closed_forms;
 mod memory_of_work;
