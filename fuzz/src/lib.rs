@@ -246,6 +246,8 @@ fn volume(name: &str, bytes: &[u8], component: Option<u32>) {
 mod tests {
     use super::*;
 
+    type Target = fn(&[u8]);
+
     /// The seeds of a target by name.
     fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -263,7 +265,7 @@ mod tests {
 
     #[test]
     fn every_seed_passes() {
-        let targets: [(&str, fn(&[u8])); 7] = [
+        let targets: [(&str, Target); 7] = [
             ("raw_name", raw_name),
             ("nrrd", nrrd),
             ("metaimage", metaimage),

@@ -106,6 +106,10 @@ fn runner(has_nextest: bool, args: &[String]) -> Vec<String> {
     if !has_nextest && !has_targets {
         words.push("--all-targets");
     }
+    if args.is_empty() {
+        // All that is wrong in one run.
+        words.push("--no-fail-fast");
+    }
     words
         .into_iter()
         .map(str::to_owned)
@@ -162,8 +166,11 @@ mod tests {
 
     #[test]
     fn the_runner_is_nextest_where_it_is_there() {
-        assert_eq!(line(true, ""), "nextest run --workspace");
-        assert_eq!(line(false, ""), "test --workspace --all-targets");
+        assert_eq!(line(true, ""), "nextest run --workspace --no-fail-fast");
+        assert_eq!(
+            line(false, ""),
+            "test --workspace --all-targets --no-fail-fast"
+        );
     }
 
     #[test]

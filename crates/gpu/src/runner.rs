@@ -1,7 +1,9 @@
 //! Runs plans: what must run, in its order, and nothing else.
 
+mod bind;
 mod frame;
 mod schedule;
+mod upload;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;

@@ -15,8 +15,9 @@ use volgraph_report::{Finding, Findings, Place};
 
 use crate::desc::ParamDesc;
 use crate::graph::{Graph, Link, Node, NodeBody, NodeId, Origin, Program};
-use crate::kind::{Demand, NodeContext, ProgramSpec, Requirement};
-use crate::plan::Limits;
+use crate::kind::{Demand, ProgramSpec, Requirement};
+use crate::limits::Limits;
+use crate::node_context::NodeContext;
 use crate::registry::Registry;
 use crate::resolve::default_slots;
 

@@ -8,7 +8,8 @@ use volgraph_report::Place;
 use volgraph_shader::{Binding, Module, ParamSpec, ParamValue};
 
 use crate::desc::ParamDesc;
-use crate::kind::{NodeKind, PortType, ProgramSpec, Source};
+use crate::kind::{NodeKind, PortType, ProgramSpec};
+use crate::source::Source;
 
 /// A node's index in [`Graph::nodes`].
 pub type NodeId = usize;

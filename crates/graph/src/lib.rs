@@ -20,15 +20,19 @@ pub mod fingerprint;
 mod graph;
 mod kind;
 pub mod lifetime;
+mod limits;
+mod node_context;
 pub mod order;
 mod pass;
 mod plan;
+mod planned;
 pub mod print;
 pub mod read;
 mod registry;
 pub mod resolve;
 mod resource;
 pub mod size;
+mod source;
 pub mod sources;
 
 pub use camera::{Camera, CameraDesc, Lens, Pose, Projection, View};
@@ -36,10 +40,13 @@ pub use desc::{EdgeDesc, GraphDesc, NodeDesc, ParamDesc, SourceDesc};
 pub use fingerprint::{Digest, hex};
 pub use graph::{Graph, Link, Node, NodeBody, NodeId, Origin, Program};
 pub use kind::{
-    Demand, Folders, InputPort, NodeContext, NodeKind, OutputPort, PortType, ProgramSpec, Progress,
-    Requirement, SlotSpec, Source, SourceKind, Uniform,
+    Demand, InputPort, NodeKind, OutputPort, PortType, ProgramSpec, Requirement, SlotSpec, Uniform,
 };
+pub use limits::Limits;
+pub use node_context::NodeContext;
 pub use pass::{Mesh, Pass, UploadBytes};
-pub use plan::{Allocation, Limits, Plan, PlanRequest, PlannedNode, PlannedResource};
+pub use plan::{Allocation, Plan, PlanRequest};
+pub use planned::{PlannedBinding, PlannedNode, PlannedResource};
 pub use registry::Registry;
 pub use resource::{Extent, ResourceDesc, ResourceKind, Size};
+pub use source::{Folders, Progress, Source, SourceKind};

@@ -16,54 +16,17 @@ use crate::demand::{ShaderLibrary, demand};
 use crate::desc::GraphDesc;
 use crate::fingerprint::{Digest, fingerprints};
 use crate::graph::{Graph, NodeBody, NodeId};
-use crate::kind::{FrameContext, NodeContext, Source, Uniform};
+use crate::kind::Uniform;
 use crate::lifetime::{following_camera, lifetime};
+use crate::limits::Limits;
+use crate::node_context::{FrameContext, NodeContext};
 use crate::order::order;
 use crate::pass::Pass;
 use crate::registry::Registry;
 use crate::resolve::resolve;
 use crate::resource::ResourceKind;
 use crate::size::{Resources, size};
-
-/// What a device can do, as far as a plan depends on it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Limits {
-    /// Texels along a 1D texture.
-    pub max_texture_1d: u64,
-    /// Texels along an axis of a 2D texture.
-    pub max_texture_2d: u64,
-    /// Texels along an axis of a 3D texture.
-    pub max_texture_3d: u64,
-    /// Bytes of one buffer.
-    pub max_buffer_bytes: u64,
-    /// Bytes of one resource; the user's own limit.
-    pub max_resource_bytes: u64,
-    /// Workgroups along one axis.
-    pub max_workgroups: u32,
-    /// Whether f32 textures can be sampled linearly.
-    pub float32_filterable: bool,
-    /// Whether `r16unorm` textures can be made and sampled.
-    pub norm16: bool,
-    /// Whether compute shaders can write 3D textures. wgpu 30 binds only the first slice of one on GL.
-    pub storage_3d: bool,
-}
-
-impl Default for Limits {
-    /// What WebGPU guarantees everywhere.
-    fn default() -> Self {
-        Self {
-            max_texture_1d: 8192,
-            max_texture_2d: 8192,
-            max_texture_3d: 2048,
-            max_buffer_bytes: 256 << 20,
-            max_resource_bytes: 8 << 30,
-            max_workgroups: 65535,
-            float32_filterable: false,
-            norm16: false,
-            storage_3d: true,
-        }
-    }
-}
+use crate::source::Source;
 
 /// All that a plan is made of.
 #[derive(Clone, Copy)]
@@ -94,53 +57,6 @@ pub struct Allocation {
     pub is_transient: bool,
     /// The `node.port`s that live in it, in their order.
     pub users: Vec<String>,
-}
-
-/// A node of a plan, for printing.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PlannedNode {
-    /// Its name.
-    pub name: String,
-    /// Its kind.
-    pub kind: String,
-    /// Input port → `node.port`.
-    pub inputs: BTreeMap<String, String>,
-    /// Parameter → value.
-    pub params: BTreeMap<String, volgraph_shader::ParamValue>,
-    /// Slot → choice, for the slots that its shader imports.
-    pub slots: BTreeMap<String, String>,
-    /// Entry point → the bindings that it uses, with what fills each.
-    pub entries: BTreeMap<String, Vec<PlannedBinding>>,
-    /// What it writes.
-    pub outputs: Vec<PlannedResource>,
-    /// The binding that called for it; `None` for a node of the file.
-    pub called_for_by: Option<String>,
-    /// Whether a moving camera makes it run again.
-    pub follows_camera: bool,
-}
-
-/// A binding of a planned node.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PlannedBinding {
-    /// Its name.
-    pub name: String,
-    /// `@group`
-    pub group: u32,
-    /// `@binding`
-    pub binding: u32,
-    /// What fills it.
-    pub source: BindingSource,
-}
-
-/// A resource of a planned node.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PlannedResource {
-    /// Output port.
-    pub port: String,
-    /// What it is.
-    pub resource: ResourceKind,
-    /// Index of its allocation.
-    pub allocation: usize,
 }
 
 /// A graph with everything decided: plain data that prints, compares and tests without a GPU.
@@ -357,82 +273,6 @@ impl Plan {
             Finding::error("uniform", format!("uniform `{}`: {error}", binding.name))
                 .at(binding.place.clone())
         })
-    }
-
-    /// The nodes in their order, for printing.
-    #[must_use]
-    pub fn nodes(&self) -> Vec<PlannedNode> {
-        self.order
-            .iter()
-            .filter(|id| !self.graph.nodes[**id].is_source())
-            .map(|id| self.planned(*id))
-            .collect()
-    }
-
-    fn planned(&self, id: NodeId) -> PlannedNode {
-        let node = &self.graph.nodes[id];
-        let name_of = |link: &crate::Link| {
-            let writer = &self.graph.nodes[link.node];
-            if writer.is_source() {
-                writer.name.clone()
-            } else {
-                format!("{}.{}", writer.name, link.port)
-            }
-        };
-        let entries = node
-            .program
-            .iter()
-            .flat_map(|program| &program.bindings)
-            .map(|(entry, bindings)| {
-                let planned = bindings.iter().filter_map(|binding| {
-                    Some(PlannedBinding {
-                        name: binding.name.clone(),
-                        group: binding.group,
-                        binding: binding.binding,
-                        source: binding_source(node, binding).ok()?,
-                    })
-                });
-                ((*entry).to_owned(), planned.collect())
-            });
-        let imported = |slot: &str| {
-            node.program
-                .as_ref()
-                .is_some_and(|program| program.module.linked.slots_used.contains_key(slot))
-        };
-        PlannedNode {
-            name: node.name.clone(),
-            kind: node.kind_name(),
-            inputs: node
-                .inputs
-                .iter()
-                .map(|(port, link)| (port.clone(), name_of(link)))
-                .collect(),
-            params: node.params.clone(),
-            slots: node
-                .slots
-                .iter()
-                .filter(|(slot, _)| imported(slot))
-                .map(|(slot, choice)| (slot.clone(), choice.choice.clone()))
-                .collect(),
-            entries: entries.collect(),
-            outputs: self
-                .resources
-                .range((id, String::new())..(id + 1, String::new()))
-                .map(|((_, port), resource)| PlannedResource {
-                    port: port.clone(),
-                    resource: *resource,
-                    allocation: self.allocation_of[&(id, port.clone())],
-                })
-                .collect(),
-            called_for_by: match &node.origin {
-                crate::Origin::Demanded { by, binding } => Some(format!(
-                    "{} (binding {binding})",
-                    self.graph.nodes[*by].name
-                )),
-                crate::Origin::File(_) => None,
-            },
-            follows_camera: self.following_camera.contains(&id),
-        }
     }
 }
 

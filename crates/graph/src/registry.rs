@@ -7,7 +7,8 @@ use indexmap::IndexMap;
 use volgraph_report::Place;
 
 use crate::graph::{Graph, Node, NodeBody, Origin};
-use crate::kind::{NodeContext, ProgramSpec};
+use crate::kind::ProgramSpec;
+use crate::node_context::NodeContext;
 use crate::resolve::default_slots;
 use crate::{Limits, NodeKind, SourceKind};
 

@@ -9,8 +9,9 @@ use volgraph_shader::ParamValue;
 
 use crate::desc::{EdgeDesc, GraphDesc, NodeDesc};
 use crate::graph::{Graph, Link, Node, NodeBody, Origin, SlotChoice};
-use crate::kind::{NodeKind, Requirement, Source};
+use crate::kind::{NodeKind, Requirement};
 use crate::registry::Registry;
+use crate::source::Source;
 
 /// Looks up every name. `sources` holds the loaded sources; one that could not be loaded is missing there, and its
 /// readers are then not reported again.

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use volgraph_report::{Finding, Findings};
 
 use crate::graph::{Graph, NodeId};
-use crate::kind::NodeContext;
-use crate::plan::Limits;
+use crate::limits::Limits;
+use crate::node_context::NodeContext;
 use crate::resource::{Extent, ResourceDesc, ResourceKind, Size};
 
 /// Resources by (node, output port).

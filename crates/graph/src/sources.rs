@@ -7,8 +7,8 @@ use indexmap::IndexMap;
 use volgraph_report::{Finding, Findings, did_you_mean};
 
 use crate::desc::{GraphDesc, SourceDesc};
-use crate::kind::{Folders, Progress, Source};
 use crate::registry::Registry;
+use crate::source::{Folders, Progress, Source};
 
 /// The loaded sources by name, those that could not be loaded left out, and everything wrong with them. `progress`
 /// gets the source's name before the bytes.

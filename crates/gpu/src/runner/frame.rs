@@ -1,33 +1,25 @@
 //! One frame: recording and submitting the passes of the nodes that must run.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 use std::time::Instant;
 
-use volgraph_graph::check::{BindingSource, SamplerKind, binding_source};
-use volgraph_graph::{NodeId, Pass, Plan, ResourceKind, View};
+use volgraph_graph::{NodeId, Pass, Plan, View};
 use volgraph_report::Finding;
-use volgraph_shader::Binding;
 use wgpu::{
-    BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferDescriptor,
-    BufferUsages, Color, CommandEncoder, CommandEncoderDescriptor, Extent3d, LoadOp, Operations,
-    Origin3d, RenderPassColorAttachment, RenderPassDescriptor, StoreOp, TexelCopyBufferLayout,
-    TexelCopyTextureInfo, TextureAspect, TextureDescriptor, TextureDimension, TextureUsages,
-    TextureView,
+    Color, CommandEncoder, CommandEncoderDescriptor, Extent3d, LoadOp, Operations,
+    RenderPassColorAttachment, RenderPassDescriptor, StoreOp, TextureDescriptor, TextureDimension,
+    TextureUsages, TextureView,
 };
 
 use super::schedule::must_run;
 use super::{FrameReport, NodeReport, Runner};
 use crate::error::GpuError;
-use crate::pipelines::{Pipeline, PipelineKind, SCRATCH_FORMAT};
+use crate::pipelines::{PipelineKind, SCRATCH_FORMAT};
 use crate::pool::Held;
 use crate::timing::Timer;
 
 /// The side of the view on which variants are measured.
 const MEASURE_SIZE: u32 = 128;
-
-/// A pipeline and its bind groups by group.
-type Bound = (Arc<Pipeline>, Vec<(u32, BindGroup)>);
 
 /// Commands recorded and not yet submitted.
 struct Recording {
@@ -283,7 +275,7 @@ impl Runner {
         Ok(view)
     }
 
-    fn output(&self, plan: &Plan, id: NodeId, port: &str) -> Result<&Held, GpuError> {
+    pub(super) fn output(&self, plan: &Plan, id: NodeId, port: &str) -> Result<&Held, GpuError> {
         let at = plan
             .allocation_of
             .get(&(id, port.to_owned()))
@@ -291,169 +283,17 @@ impl Runner {
         Ok(&self.held[*at])
     }
 
-    fn input(&self, plan: &Plan, id: NodeId, port: &str) -> Result<&Held, GpuError> {
+    pub(super) fn input(&self, plan: &Plan, id: NodeId, port: &str) -> Result<&Held, GpuError> {
         let link = plan.graph.nodes[id]
             .inputs
             .get(port)
             .ok_or_else(|| internal(plan, id, port))?;
         self.output(plan, link.node, &link.port)
     }
-
-    /// The pipeline of a pass and its bind groups.
-    fn bound(
-        &mut self,
-        plan: &Plan,
-        id: NodeId,
-        view: &View,
-        variant: Option<&str>,
-        pass: &Pass,
-    ) -> Result<Bound, GpuError> {
-        let node = &plan.graph.nodes[id];
-        let program = node
-            .program
-            .as_ref()
-            .ok_or_else(|| internal(plan, id, "program"))?;
-        let pipeline = self
-            .pipelines
-            .get(&self.gpu, program, pass)?
-            .ok_or_else(|| internal(plan, id, "pipeline"))?;
-        let mut groups = Vec::new();
-        for (group, (layout, bindings)) in &pipeline.groups {
-            let mut uniforms: BTreeMap<u32, Buffer> = BTreeMap::new();
-            for binding in bindings {
-                if matches!(binding.kind, volgraph_shader::BindingKind::Uniform(_)) {
-                    let bytes = plan.uniform_bytes(id, binding, view, variant)?;
-                    uniforms.insert(binding.binding, self.uniform(&bytes));
-                }
-            }
-            let mut entries = Vec::new();
-            for binding in bindings {
-                let resource = self.resource(plan, id, binding, &uniforms)?;
-                entries.push(BindGroupEntry {
-                    binding: binding.binding,
-                    resource,
-                });
-            }
-            let bind_group = self.gpu.device.create_bind_group(&BindGroupDescriptor {
-                label: Some(&node.name),
-                layout,
-                entries: &entries,
-            });
-            groups.push((*group, bind_group));
-        }
-        Ok((pipeline, groups))
-    }
-
-    fn resource<'a>(
-        &'a self,
-        plan: &Plan,
-        id: NodeId,
-        binding: &Binding,
-        uniforms: &'a BTreeMap<u32, Buffer>,
-    ) -> Result<BindingResource<'a>, GpuError> {
-        if let Some(buffer) = uniforms.get(&binding.binding) {
-            return Ok(buffer.as_entire_binding());
-        }
-        let held = match binding_source(&plan.graph.nodes[id], binding)? {
-            BindingSource::Sampler(SamplerKind::Linear) => {
-                return Ok(BindingResource::Sampler(&self.samplers.linear));
-            }
-            BindingSource::Sampler(SamplerKind::Nearest) => {
-                return Ok(BindingResource::Sampler(&self.samplers.nearest));
-            }
-            BindingSource::Sampler(SamplerKind::Repeat) => {
-                return Ok(BindingResource::Sampler(&self.samplers.repeat));
-            }
-            BindingSource::Input(port) => self.input(plan, id, &port)?,
-            BindingSource::Output(port) => self.output(plan, id, &port)?,
-            _ => return Err(internal(plan, id, &binding.name)),
-        };
-        match (held.view(), held.buffer()) {
-            (Some(view), _) => Ok(BindingResource::TextureView(view)),
-            (None, Some(buffer)) => Ok(buffer.as_entire_binding()),
-            (None, None) => Err(internal(plan, id, &binding.name)),
-        }
-    }
-
-    fn uniform(&self, bytes: &[u8]) -> Buffer {
-        let buffer = self.gpu.device.create_buffer(&BufferDescriptor {
-            label: Some("uniform"),
-            size: (bytes.len() as u64).next_multiple_of(16),
-            usage: BufferUsages::UNIFORM | BufferUsages::STORAGE | BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
-        self.gpu.queue.write_buffer(&buffer, 0, bytes);
-        buffer
-    }
-
-    /// Fills a whole resource. Textures go slab by slab, so that the staging memory stays small.
-    fn upload(&self, held: &Held, bytes: &[u8], node: &str) -> Result<(), GpuError> {
-        const SLAB_BYTES: usize = 64 << 20;
-        let expected = held.resource.bytes();
-        if bytes.len() as u64 != expected {
-            return Err(Finding::error(
-                "internal",
-                format!(
-                    "node `{node}` uploads {} bytes into {expected}",
-                    bytes.len()
-                ),
-            )
-            .into());
-        }
-        let what = format!("uploading for node `{node}`");
-        match held.resource {
-            ResourceKind::Buffer { .. } => {
-                if let Some(buffer) = held.buffer() {
-                    self.gpu.scoped(&what, expected, || {
-                        self.gpu.queue.write_buffer(buffer, 0, bytes);
-                    })?;
-                }
-            }
-            ResourceKind::Texture { extent, format, .. } => {
-                let texel = format.block_copy_size(None).unwrap_or(4);
-                let row = extent[0] * texel;
-                let layer = row as usize * extent[1] as usize;
-                let layers_at_once = (SLAB_BYTES / layer.max(1)).max(1);
-                let Some(texture) = held.texture() else {
-                    return Ok(());
-                };
-                for (slab, bytes) in bytes.chunks(layer * layers_at_once).enumerate() {
-                    let z = u32::try_from(slab * layers_at_once).unwrap_or(u32::MAX);
-                    let depth = u32::try_from(bytes.len() / layer).unwrap_or(u32::MAX);
-                    self.gpu.scoped(&what, expected, || {
-                        self.gpu.queue.write_texture(
-                            TexelCopyTextureInfo {
-                                texture,
-                                mip_level: 0,
-                                origin: Origin3d { x: 0, y: 0, z },
-                                aspect: TextureAspect::All,
-                            },
-                            bytes,
-                            TexelCopyBufferLayout {
-                                offset: 0,
-                                bytes_per_row: Some(row),
-                                rows_per_image: Some(extent[1]),
-                            },
-                            Extent3d {
-                                width: extent[0],
-                                height: extent[1],
-                                depth_or_array_layers: depth,
-                            },
-                        );
-                    })?;
-                    // What is staged is let go before more is staged.
-                    self.gpu.queue.submit([]);
-                    if bytes.len() >= SLAB_BYTES {
-                        self.gpu.wait()?;
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
 }
 
-fn internal(plan: &Plan, id: NodeId, what: &str) -> GpuError {
+/// An error of a node kind whose passes do not fit its ports.
+pub(super) fn internal(plan: &Plan, id: NodeId, what: &str) -> GpuError {
     let name = &plan.graph.nodes[id].name;
     Finding::error("internal", format!("node `{name}`: `{what}` has no resource; the node kind records what its ports do not say"))
         .into()

@@ -1,0 +1,109 @@
+//! From a pass to its pipeline and bind groups: each binding is filled by what its name stands for.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use volgraph_graph::check::{BindingSource, SamplerKind, binding_source};
+use volgraph_graph::{NodeId, Pass, Plan, View};
+use volgraph_shader::Binding;
+use wgpu::{
+    BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferDescriptor,
+    BufferUsages,
+};
+
+use super::Runner;
+use super::frame::internal;
+use crate::error::GpuError;
+use crate::pipelines::Pipeline;
+
+/// A pipeline and its bind groups by group.
+pub(super) type Bound = (Arc<Pipeline>, Vec<(u32, BindGroup)>);
+
+impl Runner {
+    /// The pipeline of a pass and its bind groups.
+    pub(super) fn bound(
+        &mut self,
+        plan: &Plan,
+        id: NodeId,
+        view: &View,
+        variant: Option<&str>,
+        pass: &Pass,
+    ) -> Result<Bound, GpuError> {
+        let node = &plan.graph.nodes[id];
+        let program = node
+            .program
+            .as_ref()
+            .ok_or_else(|| internal(plan, id, "program"))?;
+        let pipeline = self
+            .pipelines
+            .get(&self.gpu, program, pass)?
+            .ok_or_else(|| internal(plan, id, "pipeline"))?;
+        let mut groups = Vec::new();
+        for (group, (layout, bindings)) in &pipeline.groups {
+            let mut uniforms: BTreeMap<u32, Buffer> = BTreeMap::new();
+            for binding in bindings {
+                if matches!(binding.kind, volgraph_shader::BindingKind::Uniform(_)) {
+                    let bytes = plan.uniform_bytes(id, binding, view, variant)?;
+                    uniforms.insert(binding.binding, self.uniform(&bytes));
+                }
+            }
+            let mut entries = Vec::new();
+            for binding in bindings {
+                let resource = self.resource(plan, id, binding, &uniforms)?;
+                entries.push(BindGroupEntry {
+                    binding: binding.binding,
+                    resource,
+                });
+            }
+            let bind_group = self.gpu.device.create_bind_group(&BindGroupDescriptor {
+                label: Some(&node.name),
+                layout,
+                entries: &entries,
+            });
+            groups.push((*group, bind_group));
+        }
+        Ok((pipeline, groups))
+    }
+
+    fn resource<'a>(
+        &'a self,
+        plan: &Plan,
+        id: NodeId,
+        binding: &Binding,
+        uniforms: &'a BTreeMap<u32, Buffer>,
+    ) -> Result<BindingResource<'a>, GpuError> {
+        if let Some(buffer) = uniforms.get(&binding.binding) {
+            return Ok(buffer.as_entire_binding());
+        }
+        let held = match binding_source(&plan.graph.nodes[id], binding)? {
+            BindingSource::Sampler(SamplerKind::Linear) => {
+                return Ok(BindingResource::Sampler(&self.samplers.linear));
+            }
+            BindingSource::Sampler(SamplerKind::Nearest) => {
+                return Ok(BindingResource::Sampler(&self.samplers.nearest));
+            }
+            BindingSource::Sampler(SamplerKind::Repeat) => {
+                return Ok(BindingResource::Sampler(&self.samplers.repeat));
+            }
+            BindingSource::Input(port) => self.input(plan, id, &port)?,
+            BindingSource::Output(port) => self.output(plan, id, &port)?,
+            _ => return Err(internal(plan, id, &binding.name)),
+        };
+        match (held.view(), held.buffer()) {
+            (Some(view), _) => Ok(BindingResource::TextureView(view)),
+            (None, Some(buffer)) => Ok(buffer.as_entire_binding()),
+            (None, None) => Err(internal(plan, id, &binding.name)),
+        }
+    }
+
+    fn uniform(&self, bytes: &[u8]) -> Buffer {
+        let buffer = self.gpu.device.create_buffer(&BufferDescriptor {
+            label: Some("uniform"),
+            size: (bytes.len() as u64).next_multiple_of(16),
+            usage: BufferUsages::UNIFORM | BufferUsages::STORAGE | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        self.gpu.queue.write_buffer(&buffer, 0, bytes);
+        buffer
+    }
+}
