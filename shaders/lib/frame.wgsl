@@ -9,7 +9,8 @@ struct Lens {
     is_orthographic: u32,
 }
 
-// World space; right, up and forward are orthonormal.
+// World space, counted from the middle of all volumes, so that f32 has digits left for them far from the world's own
+// origin; right, up and forward are orthonormal.
 struct Camera {
     eye: vec3f,
     right: vec3f,

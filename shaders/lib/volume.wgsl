@@ -20,7 +20,7 @@ struct Volume {
     radius: f32,
     // World length of the smallest spacing.
     voxel: f32,
-    // scalar = texel * value_scale + value_offset
+    // scalar = texel * value_scale + value_offset: data units, from the smallest value for data far from 0
     value_scale: f32,
     value_offset: f32,
     // Largest minus smallest scalar of the data.

@@ -22,13 +22,16 @@ fn raycast_sample(ray: Ray, distance: f32) -> Sample {
     return Sample(position, reconstruct_scalar(position));
 }
 
+// Whatever a `traverse` slot says, a walk ends. Software drivers end every loop after as many turns.
+const RAYCAST_MAX_SEGMENTS: u32 = 65535u;
+
 fn raycast_pixel(pixel: vec2f) -> RayResult {
     var ray = volume_clip_ray(ray_through(pixel));
     let length = ray.far - ray.near;
     var state = technique_begin(ray);
     var front = raycast_sample(ray, 0.0);
     var start = 0.0;
-    for (var index = 0u; start < length; index++) {
+    for (var index = 0u; start < length && index < RAYCAST_MAX_SEGMENTS; index++) {
         let end = traverse_segment_end(ray, index);
         let back = raycast_sample(ray, end);
         if technique_segment(&state, &ray, Segment(front, back, start, end - start)) {

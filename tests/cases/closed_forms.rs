@@ -273,3 +273,90 @@ fn one_voxel_thick_volumes_are_drawn() {
         }
     }
 }
+
+#[test]
+fn far_from_the_origin_of_the_world_and_of_the_scalars_the_picture_is_the_same() {
+    let volume = |name: &str, offset: f64| {
+        let mut bytes = b"NRRD0004\ntype: double\ndimension: 3\nsizes: 6 6 6\nencoding: raw\nendian: little\n\n".to_vec();
+        for i in 0..216_u32 {
+            bytes.extend((offset + f64::from(i * 37 % 101)).to_le_bytes());
+        }
+        (name.to_owned(), bytes)
+    };
+    let transfer = |offset: f64| {
+        let (low, high) = (offset + 20.0, offset + 100.0);
+        format!(
+            "(domain: data, points: [(at: {low:?}, color: (1, 0, 0), opacity: 0), (at: {high:?}, color: (0, 1, 0), opacity: 0.5)])"
+        )
+    };
+    let slots = r#"{ "light": "phong" }"#;
+    let at = |volume: &str, origin: &str| {
+        graph(
+            &format!(r#"path: "{volume}", spacing: (0.01, 0.01, 0.01), origin: {origin}"#),
+            CAMERAS[0],
+            "{}",
+            slots,
+            "{}",
+        )
+    };
+    let scene = |offset: f64, origin: &str| {
+        let (name, bytes) = volume("v.nrrd", offset);
+        Stage::new()
+            .with(&name, bytes)
+            .with("transfer.ron", transfer(offset))
+            .with("graph.ron", at(&name, origin))
+    };
+    for backend in adapters() {
+        for form in STAGES {
+            let set = format!("image.stage={form}");
+            let picture = |stage: &Stage| render(stage, &[&set], &backend, [40, 40]).0;
+            let here = picture(&scene(0.0, "(0, 0, 0)"));
+            let far = picture(&scene(0.0, "(500000, 4000000, 100)"));
+            let shifted = picture(&scene(1e7, "(0, 0, 0)"));
+            for (what, other) in [("placement", &far), ("scalars", &shifted)] {
+                let worst = volgraph_measure::compare_without_flip(&here, other)
+                    .unwrap()
+                    .max;
+                assert!(worst.error < 1e-4, "{what} on {backend} {form}: {worst:?}");
+            }
+            assert!(
+                here.color.iter().any(|pixel| pixel[1] > 0.05),
+                "nothing is seen"
+            );
+        }
+    }
+}
+
+#[test]
+fn more_segments_than_are_walked_are_refused_and_the_longest_walk_is_whole() {
+    let stage = |spacing: &str| {
+        let volume = format!(r#"path: "v_8x8x8_float32.raw", spacing: {spacing}"#);
+        let camera = "look_at(eye: (0.0035, -20, 3.5), target: (0.0035, 0, 3.5), projection: orthographic, height: 0.001)";
+        Stage::new()
+            .with_floats("v", [8, 8, 8], |_, _, _| 0.5)
+            .with("transfer.ron", "(reference_length: (world: 1), points: [(at: 0.5, color: (1, 1, 1), opacity: 0.1)])")
+            .with("graph.ron", graph(&volume, camera, "{}", "{}", r#"{ "step": 0.4, "early_termination": 0.0 }"#))
+    };
+    for backend in adapters() {
+        let refused = stage("(0.0001, 1, 1)")
+            .open("graph.ron", &[], &backend, [4, 4])
+            .err()
+            .unwrap();
+        assert!(
+            refused
+                .into_iter()
+                .all(|finding| finding.code == "too-many-segments")
+        );
+        for form in STAGES {
+            let set = format!("image.stage={form}");
+            let (picture, _) = render(&stage("(0.001, 1, 1)"), &[&set], &backend, [4, 4]);
+            // 20,000 segments, and as many roundings of the transmittance.
+            let expected = 1.0 - 0.9_f64.powi(8);
+            let seen = f64::from(picture.opacity.unwrap()[5]);
+            assert!(
+                (seen - expected).abs() < 2e-3,
+                "{backend} {form}: {seen}, not {expected}"
+            );
+        }
+    }
+}

@@ -2,7 +2,7 @@
 
 use naga::valid::Capabilities;
 use volgraph::{
-    Limits, NoProgress, Overrides, ParamOverride, Plan, Scene, ShaderFolders, registry,
+    Findings, Limits, NoProgress, Overrides, ParamOverride, Plan, Scene, ShaderFolders, registry,
 };
 use volgraph_graph::PlannedNode;
 use volgraph_picture::{Picture, SaveOptions};
@@ -29,6 +29,10 @@ fn stage(slots: &str, background: &str) -> Stage {
 }
 
 fn plan(stage: &Stage, sets: &[&str]) -> Plan {
+    try_plan(stage, sets, &Limits::default()).unwrap()
+}
+
+fn try_plan(stage: &Stage, sets: &[&str], limits: &Limits) -> Result<Plan, Findings> {
     let params = sets
         .iter()
         .map(|set| ParamOverride::parse(set).unwrap())
@@ -44,16 +48,9 @@ fn plan(stage: &Stage, sets: &[&str]) -> Plan {
         &ShaderFolders::default(),
         registry(),
         &NoProgress,
-    )
-    .unwrap();
-    scene
-        .plan(
-            &scene.shader_library(Capabilities::default()),
-            &Limits::default(),
-            [64, 64],
-            false,
-        )
-        .unwrap()
+    )?;
+    let shaders = scene.shader_library(Capabilities::default());
+    scene.plan(&shaders, limits, [64, 64], false)
 }
 
 /// Whether anything of the plan, in any of its three forms, speaks of gradients.
@@ -213,5 +210,63 @@ fn the_drawing_and_the_json_hold_the_same_graph() {
     assert_eq!(
         json["conventions"].as_object().unwrap().len(),
         volgraph_graph::print::CONVENTIONS.len()
+    );
+}
+
+#[test]
+fn the_work_of_a_node_without_a_shader_is_told_by_its_slots() {
+    // Where shaders cannot write 3D textures, gradients are made without one.
+    let limits = Limits {
+        storage_3d: false,
+        ..Limits::default()
+    };
+    let stage = stage(r#"{ "light": "phong" }"#, "{}");
+    let gradient = |method: &str| {
+        let set = format!("image.slots.gradient_method={method}");
+        let plan = try_plan(&stage, &[&set], &limits).unwrap();
+        let id = plan.graph.find("image.gradient").unwrap();
+        assert!(plan.graph.nodes[id].program.is_none());
+        plan.fingerprints(&plan.view())[&id]
+    };
+    assert_eq!(gradient("central"), gradient("central"));
+    assert_ne!(gradient("central"), gradient("sobel"));
+}
+
+#[test]
+fn a_table_of_another_transfer_function_is_refused() {
+    let text = |of: &str| {
+        graph(
+            r#"path: "v_8x8x8_float32.raw""#,
+            "orbit(azimuth: 0, elevation: 0)",
+            "{}",
+            "{}",
+            "{}",
+        )
+        .replace(
+            r#""colors": transfer"#,
+            r#""other": transfer(path: "transfer.ron"), "colors": transfer"#,
+        )
+        .replace(
+            r#""box": "#,
+            &format!(r#""table": (kind: "transfer_table", in: {{ "transfer": "{of}" }}), "box": "#),
+        )
+        .replace(
+            r#""rays": "box""#,
+            r#""rays": "box", "transfer_table": "table""#,
+        )
+    };
+    let planned = |of: &str| {
+        try_plan(
+            &stage("{}", "{}").with("graph.ron", text(of)),
+            &[],
+            &Limits::default(),
+        )
+    };
+    planned("colors").unwrap();
+    let refused = planned("other").err().unwrap();
+    assert!(
+        refused
+            .into_iter()
+            .all(|finding| finding.code == "input-mismatch")
     );
 }

@@ -86,9 +86,7 @@ impl Gpu {
             max_texture_2d: u64::from(limits.max_texture_dimension_2d),
             max_texture_3d: u64::from(limits.max_texture_dimension_3d),
             max_buffer_bytes: limits.max_buffer_size,
-            max_workgroups: limits.max_compute_workgroups_per_dimension,
             float32_filterable: features.contains(Features::FLOAT32_FILTERABLE),
-            norm16: features.contains(Features::TEXTURE_FORMAT_16BIT_NORM),
             storage_3d: self.summary.backend != "gl",
             ..Limits::default()
         }

@@ -22,7 +22,7 @@ pub enum GpuError {
         reason: String,
     },
     /// The device is gone.
-    #[error("the device is lost: {0}; render again to make it anew")]
+    #[error("the device is lost: {0}; open the graph again")]
     Lost(String),
     /// The device refused something.
     #[error("{what}: the device says: {reason}")]

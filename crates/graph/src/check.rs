@@ -6,10 +6,10 @@ use std::fmt;
 
 use serde::Serialize;
 use volgraph_report::{Finding, Findings, did_you_mean};
-use volgraph_shader::{Binding, BindingKind, TextureDim};
+use volgraph_shader::{Binding, BindingKind, TextureDim, TextureSample};
 
-use crate::PortType;
 use crate::graph::{Graph, Node, NodeBody, NodeId, Origin};
+use crate::kind::{PortType, Requirement};
 
 /// What a binding of a shader is filled with: decided by its name alone.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -143,6 +143,7 @@ pub fn check(graph: &Graph) -> Result<(), Findings> {
     let mut findings = Findings::new();
     for (id, node) in graph.nodes.iter().enumerate() {
         check_types(graph, node, &mut findings);
+        check_demanded(graph, node, &mut findings);
         check_params(graph, id, &mut findings);
         if let Some(program) = &node.program {
             for binding in program.used() {
@@ -215,8 +216,8 @@ fn check_binding(node: &Node, binding: &Binding, source: &BindingSource) -> Resu
     let declared = match &binding.kind {
         BindingKind::Texture {
             dim,
+            sample: TextureSample::Float { .. },
             multisampled: false,
-            ..
         } => Some((*dim, true)),
         BindingKind::StorageTexture { dim, .. } => Some((*dim, false)),
         _ => None,
@@ -255,6 +256,44 @@ fn dimension(ty: PortType) -> Option<TextureDim> {
         }
         PortType::VolumeTexture | PortType::GradientTexture => Some(TextureDim::D3),
         PortType::Volume | PortType::Transfer | PortType::Image | PortType::Mesh => None,
+    }
+}
+
+/// Whether what the file connects to a demanded port is made of the node's own inputs. The
+/// table of another transfer function would be read as this one's, and nobody would see why the picture is wrong.
+fn check_demanded(graph: &Graph, node: &Node, findings: &mut Findings) {
+    let Some(kind) = node.kind() else { return };
+    for port in kind.inputs() {
+        let (Requirement::Demanded(demand), Some(link)) =
+            (port.requirement, node.inputs.get(port.name))
+        else {
+            continue;
+        };
+        let writer = &graph.nodes[link.node];
+        let (Some(place), true) = (&link.place, writer.kind_name() == demand.kind) else {
+            continue;
+        };
+        for (theirs, mine) in demand.inputs {
+            let end = |node: &Node, port: &str| {
+                node.inputs
+                    .get(port)
+                    .map(|link| (link.node, link.port.clone()))
+            };
+            if end(writer, theirs) != end(node, mine) {
+                let message = format!(
+                    "`{}` is made of another `{theirs}` than the `{mine}` of node `{}`",
+                    writer.name, node.name
+                );
+                findings.push(
+                    Finding::error("input-mismatch", message)
+                        .at(place.clone())
+                        .help(format!(
+                            "connect both to the same source, or leave `{}` open",
+                            port.name
+                        )),
+                );
+            }
+        }
     }
 }
 

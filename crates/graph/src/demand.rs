@@ -156,9 +156,7 @@ fn call_for(
         return;
     };
     for port in kind.inputs() {
-        let is_bound = kind
-            .program(&NodeContext::new(graph, id, &Limits::default()))
-            .is_some();
+        let is_bound = graph.nodes[id].program.is_some();
         match port.requirement {
             Requirement::Demanded(demand) => {
                 if !used(port.name) {

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 
 use crate::camera::View;
 use crate::graph::{Graph, NodeBody, NodeId};
+use crate::kind::PortType;
 use crate::size::Resources;
 
 /// A blake3 digest.
@@ -47,6 +48,7 @@ pub fn fingerprints(
     view: &View,
 ) -> BTreeMap<NodeId, Digest> {
     let mut fingerprints: BTreeMap<NodeId, Digest> = BTreeMap::new();
+    let origin = graph.origin();
     for &id in order {
         let node = &graph.nodes[id];
         let mut hasher = Hasher::new();
@@ -65,6 +67,17 @@ pub fn fingerprints(
                         part(entry.as_bytes());
                     }
                 }
+                // Without a shader to look at, every slot's choice may matter.
+                if node.program.is_none() {
+                    for (name, slot) in &node.slots {
+                        part(name.as_bytes());
+                        part(slot.choice.as_bytes());
+                    }
+                }
+                // Triangles are made relative to the origin, as the camera is.
+                if kind.outputs().iter().any(|port| port.ty == PortType::Mesh) {
+                    part(format!("{origin:?}").as_bytes());
+                }
                 // A node without a shader may follow the camera as well.
                 let reads = |uniform: &str| {
                     node.program
@@ -75,7 +88,7 @@ pub fn fingerprints(
                     part(format!("{:?}", view.lens()).as_bytes());
                 }
                 if reads("camera") || kind.passes_follow_camera() {
-                    part(format!("{:?}", view.camera).as_bytes());
+                    part(format!("{:?} {origin:?}", view.camera).as_bytes());
                 }
                 for (port, link) in &node.inputs {
                     part(port.as_bytes());

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use glam::DVec3;
 use indexmap::IndexMap;
 use volgraph_report::Place;
 use volgraph_shader::{Binding, Module, ParamSpec, ParamValue};
@@ -193,6 +194,36 @@ impl Graph {
     #[must_use]
     pub fn find(&self, name: &str) -> Option<NodeId> {
         self.nodes.iter().position(|node| node.name == name)
+    }
+
+    /// The corners of all sources' boxes, in world space.
+    #[must_use]
+    pub fn corners(&self) -> Vec<DVec3> {
+        self.nodes
+            .iter()
+            .filter_map(|node| match &node.body {
+                NodeBody::Source(source) => Some(source.corners()),
+                NodeBody::Kind(_) => None,
+            })
+            .flatten()
+            .collect()
+    }
+
+    /// The world position that shaders count from: the middle of all sources. They compute in f32, which far from the
+    /// world's own origin has no digits left for voxels.
+    #[must_use]
+    pub fn origin(&self) -> DVec3 {
+        let corners = self.corners();
+        let low = corners.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = corners
+            .iter()
+            .copied()
+            .fold(DVec3::NEG_INFINITY, DVec3::max);
+        if corners.is_empty() {
+            DVec3::ZERO
+        } else {
+            0.5 * (low + high)
+        }
     }
 
     /// The nodes that the outputs need, themselves included.

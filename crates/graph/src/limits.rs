@@ -15,12 +15,8 @@ pub struct Limits {
     pub max_buffer_bytes: u64,
     /// Bytes of one resource; the user's own limit.
     pub max_resource_bytes: u64,
-    /// Workgroups along one axis.
-    pub max_workgroups: u32,
     /// Whether f32 textures can be sampled linearly.
     pub float32_filterable: bool,
-    /// Whether `r16unorm` textures can be made and sampled.
-    pub norm16: bool,
     /// Whether compute shaders can write 3D textures. wgpu 30 binds only the first slice of one on GL.
     pub storage_3d: bool,
 }
@@ -34,9 +30,7 @@ impl Default for Limits {
             max_texture_3d: 2048,
             max_buffer_bytes: 256 << 20,
             max_resource_bytes: 8 << 30,
-            max_workgroups: 65535,
             float32_filterable: false,
-            norm16: false,
             storage_3d: true,
         }
     }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use glam::DVec3;
 use volgraph_report::Finding;
 use volgraph_shader::{Binding, ParamValue};
 
@@ -103,6 +104,15 @@ impl<'g> NodeContext<'g> {
         self.graph.wanted(self.id).contains(port)
     }
 
+    /// Whether the graph itself wants an output port, to be read back.
+    #[must_use]
+    pub fn is_output(&self, port: &str) -> bool {
+        self.graph
+            .outputs
+            .values()
+            .any(|link| link.node == self.id && link.port == port)
+    }
+
     /// The choice of a slot.
     #[must_use]
     pub fn slot(&self, name: &str) -> &'g str {
@@ -187,6 +197,12 @@ impl<'g> NodeContext<'g> {
     #[must_use]
     pub fn variant(&self) -> Option<&'g str> {
         self.frame.and_then(|frame| frame.variant)
+    }
+
+    /// The world position that shaders count from (see [`Graph::origin`]).
+    #[must_use]
+    pub fn origin(&self) -> DVec3 {
+        self.graph.origin()
     }
 
     /// An error at this node's place.

@@ -15,7 +15,7 @@ use crate::cull::cull;
 use crate::demand::{ShaderLibrary, demand};
 use crate::desc::GraphDesc;
 use crate::fingerprint::{Digest, fingerprints};
-use crate::graph::{Graph, NodeBody, NodeId};
+use crate::graph::{Graph, NodeId};
 use crate::kind::Uniform;
 use crate::lifetime::{following_camera, lifetime};
 use crate::limits::Limits;
@@ -151,15 +151,7 @@ impl Plan {
     /// The corners of all sources' boxes, in world space.
     #[must_use]
     pub fn corners(&self) -> Vec<DVec3> {
-        self.graph
-            .nodes
-            .iter()
-            .filter_map(|node| match &node.body {
-                NodeBody::Source(source) => Some(source.corners()),
-                NodeBody::Kind(_) => None,
-            })
-            .flatten()
-            .collect()
+        self.graph.corners()
     }
 
     /// The graph's camera, fitted to its volumes.
@@ -250,7 +242,7 @@ impl Plan {
         let source = binding_source(node, binding)?;
         let members: Uniform = match &source {
             BindingSource::Lens => lens_members(view),
-            BindingSource::Camera => camera_members(&view.camera),
+            BindingSource::Camera => camera_members(&view.camera, self.graph.origin()),
             BindingSource::Uniform(name) => match node.kind() {
                 Some(kind) => kind.uniform(name, &self.context(id, view, variant))?,
                 None => Vec::new(),
@@ -292,10 +284,10 @@ fn lens_members(view: &View) -> Uniform {
     ]
 }
 
-fn camera_members(camera: &Camera) -> Uniform {
+fn camera_members(camera: &Camera, origin: DVec3) -> Uniform {
     let vec3 = |v: DVec3| UniformValue::Vec3(v.as_vec3().to_array());
     vec![
-        ("eye", vec3(camera.eye)),
+        ("eye", vec3(camera.eye - origin)),
         ("right", vec3(camera.right)),
         ("up", vec3(camera.up)),
         ("forward", vec3(camera.forward)),

@@ -32,6 +32,10 @@ pub const CONVENTIONS: &[(&str, &str)] = &[
         "in voxels of the smallest spacing; whole segments, exact tail; no jitter",
     ),
     (
+        "early termination",
+        "rays end where less than 1/4096 of the light behind could reach the eye, or the graph's own bound; 0 for never",
+    ),
+    (
         "color",
         "linear, premultiplied; PNG is sRGB-encoded, EXR is linear",
     ),
@@ -41,7 +45,7 @@ pub const CONVENTIONS: &[(&str, &str)] = &[
     ),
     (
         "not a number",
-        "voxels that are not numbers are read as the smallest value; counted and reported",
+        "voxels that are not numbers are read as the smallest value, infinite ones as the nearest finite one; counted and reported",
     ),
 ];
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use volgraph_report::{Finding, Findings};
+use volgraph_shader::BindingKind;
 
 use crate::graph::{Graph, NodeId};
 use crate::limits::Limits;
@@ -36,6 +37,7 @@ pub fn size(
             let described = kind.output(port, &context).and_then(|desc| {
                 let resource = resource(&desc, view, &context)?;
                 within_limits(&resource, port, &context)?;
+                storage_fits(&resource, port, &context)?;
                 Ok(resource)
             });
             if let Some(resource) = findings.take(described) {
@@ -95,6 +97,34 @@ fn scaled(n: u32, factor: f32) -> u32 {
     ((f64::from(n) * f64::from(factor)).round() as u32).max(1)
 }
 
+/// The shader has to store the format that the port has.
+fn storage_fits(
+    resource: &ResourceKind,
+    port: &str,
+    node: &NodeContext<'_>,
+) -> Result<(), Finding> {
+    let (ResourceKind::Texture { format, .. }, Some(binding)) =
+        (resource, node.binding(&format!("{port}_out")))
+    else {
+        return Ok(());
+    };
+    match &binding.kind {
+        // naga and wgpu call formats by the same names.
+        BindingKind::StorageTexture {
+            format: declared, ..
+        } if format!("{declared:?}") != format!("{format:?}") => {
+            let message = format!(
+                "`{}` stores {declared:?}, but the output `{port}` is {format:?}",
+                binding.name
+            );
+            Err(node
+                .error("binding-type", message)
+                .at(binding.place.clone()))
+        }
+        _ => Ok(()),
+    }
+}
+
 fn within_limits(
     resource: &ResourceKind,
     port: &str,
@@ -145,6 +175,18 @@ fn within_limits(
             .help(help));
     }
     let bytes = resource.bytes();
+    if node.is_output(port) && bytes > limits.max_buffer_bytes {
+        return Err(node
+            .error(
+                "over-limit",
+                format!(
+                    "output `{port}` takes {bytes} bytes, over the device's limit max_buffer_size = {} through which \
+                     it is read back",
+                    limits.max_buffer_bytes
+                ),
+            )
+            .help("choose a smaller size"));
+    }
     if bytes > limits.max_resource_bytes {
         return Err(node
             .error(

@@ -35,7 +35,18 @@ pub fn encoding(node: &NodeContext<'_>) -> Result<Encoding, Finding> {
         .map_or(node.text("volume_storage"), |writer| {
             writer.text("volume_storage")
         });
-    Ok(Encoding::choose(volume(node, "volume")?, storage))
+    let encoding = Encoding::choose(volume(node, "volume")?, storage);
+    let span = encoding.range.1 - encoding.range.0;
+    // Shaders compute in f32, where such values are infinite or 0.
+    if span > 1e30 || (span > 0.0 && span < 1e-30) {
+        return Err(node
+            .error(
+                "value-range",
+                format!("the volume's values span {span:e}, which shaders cannot compute with"),
+            )
+            .help("convert the volume to values that span between 1e-30 and 1e30"));
+    }
+    Ok(encoding)
 }
 
 /// The slot that decides how texels are filtered, for programs that import `lib/volume.wgsl`: (slot, choice).
@@ -53,7 +64,8 @@ pub fn filter_slot(node: &NodeContext<'_>) -> (String, String) {
 pub fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     let grid = volume(node, "volume")?.grid();
     let encoding = encoding(node)?;
-    let texture_from_world = texture_from_world(grid);
+    // Shaders count world positions from the scene's origin.
+    let texture_from_world = texture_from_world(grid) * DAffine3::from_translation(node.origin());
     let (low, high) = grid.box_index();
     let dims = dims(grid);
     let centre = grid.world_from_index.transform_point3(0.5 * (low + high));
@@ -78,7 +90,7 @@ pub fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
         ("dims", vec3(dims)),
         ("box_low", vec3((low + 0.5) / dims)),
         ("box_high", vec3((high + 0.5) / dims)),
-        ("centre", vec3(centre)),
+        ("centre", vec3(centre - node.origin())),
         ("half_side", f32_value(0.5 * sides.min_element())),
         ("radius", f32_value(radius)),
         ("voxel", f32_value(grid.min_spacing())),
@@ -92,8 +104,7 @@ pub fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
 }
 
 /// Texture coordinates (0..1 over whole voxels) from world positions.
-#[must_use]
-pub fn texture_from_world(grid: &Grid) -> DAffine3 {
+fn texture_from_world(grid: &Grid) -> DAffine3 {
     let texture_from_index =
         DAffine3::from_scale(1.0 / dims(grid)) * DAffine3::from_translation(DVec3::splat(0.5));
     texture_from_index * grid.world_from_index.inverse()

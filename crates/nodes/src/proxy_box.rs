@@ -26,7 +26,7 @@ const INPUTS: &[InputPort] = &[InputPort {
 const OUTPUTS: &[OutputPort] = &[OutputPort {
     name: "rays",
     ty: PortType::Mesh,
-    doc: "Triangles in world space, anticlockwise as seen from outside.",
+    doc: "Triangles in world space from the scene's origin, anticlockwise as seen from outside.",
 }];
 
 impl NodeKind for ProxyBox {
@@ -53,9 +53,10 @@ impl NodeKind for ProxyBox {
     }
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
+        let origin = node.origin();
         let vertices: Vec<[f32; 3]> = triangles(volume(node, "volume")?.grid())
             .into_iter()
-            .map(|v| v.as_vec3().to_array())
+            .map(|v| (v - origin).as_vec3().to_array())
             .collect();
         let bytes = UploadBytes::new(move || Ok(bytemuck::cast_slice(&vertices).to_vec()));
         Ok(vec![Pass::Upload {

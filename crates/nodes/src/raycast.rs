@@ -269,6 +269,7 @@ impl NodeKind for Raycast {
     }
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
+        check_segments(node)?;
         let has_layers = node.output_resource("depth").is_some();
         if node.is_connected("behind")
             && node.input_resource("behind") != node.output_resource("color")
@@ -344,6 +345,30 @@ fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
     Ok(())
 }
 
+/// Most segments of a ray: software drivers end loops after 65,535 turns, and a GPU would be busy for seconds.
+const MAX_SEGMENTS: f64 = 65_535.0;
+
+/// The longest ray must not have more segments than are walked (`RAYCAST_MAX_SEGMENTS` in `node/raycast.wgsl`).
+fn check_segments(node: &NodeContext<'_>) -> Result<(), Finding> {
+    let grid = placement::volume(node, "volume")?.grid();
+    let corners = grid.corners_world();
+    let pairs = corners
+        .iter()
+        .flat_map(|from| corners.iter().map(move |to| from.distance(*to)));
+    let longest = pairs.fold(0.0, f64::max);
+    let step = node.float("step") * grid.min_spacing();
+    let segments = (longest / step).ceil();
+    if step > 0.0 && segments > MAX_SEGMENTS {
+        return Err(node
+            .error(
+                "too-many-segments",
+                format!("its longest ray has {segments} segments, of {MAX_SEGMENTS} at most"),
+            )
+            .help("choose a longer `step`, or resample the volume to voxels closer to cubes"));
+    }
+    Ok(())
+}
+
 /// The members of the uniform `transfer` (see `lib/transfer.wgsl`).
 fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     let transfer = transfer_table::transfer(node, "transfer")?;
@@ -364,7 +389,7 @@ fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
         .writer("preintegration_table")
         .map_or(1.0, |writer| writer.float("step"));
     Ok(vec![
-        ("low", f32_value(low)),
+        ("low", f32_value(low - placement::encoding(node)?.reference)),
         ("entries_per_scalar", f32_value(entries / (high - low))),
         ("last_entry", f32_value(entries)),
         (

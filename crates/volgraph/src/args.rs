@@ -39,6 +39,41 @@ pub enum Command {
     Bench(BenchArgs),
 }
 
+/// Where shaders are looked for.
+#[derive(ClapArgs, Debug)]
+pub struct ShaderArgs {
+    /// A folder of your own shaders, searched first; may be given again.
+    #[arg(
+        long,
+        value_name = "FOLDER",
+        env = "VOLGRAPH_SHADERS",
+        value_delimiter = ':'
+    )]
+    pub shaders: Vec<PathBuf>,
+}
+
+impl ShaderArgs {
+    /// The folders.
+    pub fn folders(&self) -> ShaderFolders {
+        ShaderFolders {
+            own: self.shaders.clone(),
+        }
+    }
+}
+
+/// Where volumes are looked for.
+#[derive(ClapArgs, Debug)]
+pub struct DataArgs {
+    /// A folder of volumes, for files that do not lie beside the graph; may be given again.
+    #[arg(
+        long,
+        value_name = "FOLDER",
+        env = "VOLGRAPH_DATA",
+        value_delimiter = ':'
+    )]
+    pub data: Vec<PathBuf>,
+}
+
 /// What all commands on graphs share.
 #[derive(ClapArgs, Debug)]
 pub struct SceneArgs {
@@ -56,22 +91,12 @@ pub struct SceneArgs {
     /// The camera, as a graph writes it: orbit(azimuth: 40, elevation: 25) or look_at(eye: (1, 2, 3)).
     #[arg(long, value_name = "CAMERA", value_parser = parse_camera)]
     pub camera: Option<CameraDesc>,
-    /// A folder of volumes, for files that do not lie beside the graph; may be given again.
-    #[arg(
-        long,
-        value_name = "FOLDER",
-        env = "VOLGRAPH_DATA",
-        value_delimiter = ':'
-    )]
-    pub data: Vec<PathBuf>,
-    /// A folder of your own shaders, searched first; may be given again.
-    #[arg(
-        long,
-        value_name = "FOLDER",
-        env = "VOLGRAPH_SHADERS",
-        value_delimiter = ':'
-    )]
-    pub shaders: Vec<PathBuf>,
+    /// Where volumes are.
+    #[command(flatten)]
+    pub data: DataArgs,
+    /// Where shaders are.
+    #[command(flatten)]
+    pub shaders: ShaderArgs,
     /// The adapter: part of its name, a backend (vulkan, gl, metal, dx12) or a class (discrete, software, …).
     #[arg(long, value_name = "WORDS", env = "VOLGRAPH_ADAPTER")]
     pub adapter: Option<String>,
@@ -84,15 +109,13 @@ impl SceneArgs {
             params: self.set.clone(),
             volumes: self.volume.clone(),
             camera: self.camera.clone(),
-            data: self.data.clone(),
+            data: self.data.data.clone(),
         }
     }
 
     /// Where shaders are.
     pub fn shader_folders(&self) -> ShaderFolders {
-        ShaderFolders {
-            own: self.shaders.clone(),
-        }
+        self.shaders.folders()
     }
 
     /// Which adapter.
@@ -138,22 +161,12 @@ pub struct CheckArgs {
     /// Files and folders.
     #[arg(required = true)]
     pub paths: Vec<PathBuf>,
-    /// A folder of your own shaders, searched first; may be given again.
-    #[arg(
-        long,
-        value_name = "FOLDER",
-        env = "VOLGRAPH_SHADERS",
-        value_delimiter = ':'
-    )]
-    pub shaders: Vec<PathBuf>,
-    /// A folder of volumes, for files that do not lie beside their graph; may be given again.
-    #[arg(
-        long,
-        value_name = "FOLDER",
-        env = "VOLGRAPH_DATA",
-        value_delimiter = ':'
-    )]
-    pub data: Vec<PathBuf>,
+    /// Where shaders are.
+    #[command(flatten)]
+    pub shaders: ShaderArgs,
+    /// Where volumes are.
+    #[command(flatten)]
+    pub data: DataArgs,
     /// How findings are printed.
     #[arg(long, default_value = "human")]
     pub format: FindingFormat,
@@ -216,14 +229,9 @@ pub struct CompareArgs {
 pub struct NodesArgs {
     /// Only this kind.
     pub kind: Option<String>,
-    /// A folder of your own shaders, searched first; may be given again.
-    #[arg(
-        long,
-        value_name = "FOLDER",
-        env = "VOLGRAPH_SHADERS",
-        value_delimiter = ':'
-    )]
-    pub shaders: Vec<PathBuf>,
+    /// Where shaders are.
+    #[command(flatten)]
+    pub shaders: ShaderArgs,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,
@@ -244,13 +252,13 @@ pub struct BenchArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
     /// Frames that are timed.
-    #[arg(long, default_value_t = 9)]
+    #[arg(long, default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub frames: u32,
     /// Frames before them that are not.
-    #[arg(long, default_value_t = 3)]
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
     pub warm_up: u32,
     /// Degrees that the camera turns around its up direction from frame to frame.
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = 1.0, value_parser = parse_turn)]
     pub turn: f64,
     /// Time drawing alone, without reading pixels back.
     #[arg(long)]
@@ -269,6 +277,14 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
         _ => Err(format!("`{text}` is not a number of pixels of at least 1")),
     };
     Ok([side(width)?, side(height)?])
+}
+
+/// A camera that stands still would time frames in which nothing is done.
+fn parse_turn(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(turn) if turn.is_finite() && turn != 0.0 => Ok(turn),
+        _ => Err("give a number of degrees other than 0".to_owned()),
+    }
 }
 
 fn parse_dims(text: &str) -> Result<[u32; 3], String> {

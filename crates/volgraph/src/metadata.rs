@@ -9,9 +9,9 @@ use crate::scene::Scene;
 
 /// The metadata of a picture: (key, value).
 ///
-/// `version`, `graph.path`, `graph.text` and `graph.digest` (blake3 of the text), `overrides` (JSON), `size`,
-/// `camera` (JSON), `adapter`, `digest.source.NAME` for every source that was drawn, `digest.shader.NODE` for
-/// every linked shader (node names with dots as they are), and `convention.WHAT`.
+/// `version`, `graph.path`, `graph.text` and `graph.digest` (blake3 of the text), `overrides` (JSON), `size`, `camera`
+/// (JSON), `adapter`, `digest.sources` and `digest.shaders` (JSON: name of the source or node → blake3 of its content
+/// or its linked text), and `conventions` (JSON).
 #[must_use]
 pub fn of(
     scene: &Scene,
@@ -34,33 +34,22 @@ pub fn of(
         ("camera".to_owned(), json!(view.camera).to_string()),
         ("adapter".to_owned(), adapter.to_string()),
     ];
+    let mut sources = serde_json::Map::new();
+    let mut shaders = serde_json::Map::new();
     for node in &plan.graph.nodes {
         if let volgraph_graph::NodeBody::Source(source) = &node.body {
-            metadata.push((key("digest.source", &node.name), hex(&source.digest())));
+            sources.insert(node.name.clone(), json!(hex(&source.digest())));
         }
         if let Some(program) = &node.program {
-            metadata.push((
-                key("digest.shader", &node.name),
-                hex(&program.module.linked.digest),
-            ));
+            shaders.insert(node.name.clone(), json!(hex(&program.module.linked.digest)));
         }
     }
-    metadata.extend(
-        CONVENTIONS
-            .iter()
-            .map(|(what, says)| (key("convention", what), (*says).to_owned())),
-    );
+    metadata.push(("digest.sources".to_owned(), json!(sources).to_string()));
+    metadata.push(("digest.shaders".to_owned(), json!(shaders).to_string()));
+    let conventions: serde_json::Map<_, _> = CONVENTIONS
+        .iter()
+        .map(|(what, says)| ((*what).to_owned(), json!(says)))
+        .collect();
+    metadata.push(("conventions".to_owned(), json!(conventions).to_string()));
     metadata
-}
-
-/// A key of a prefix and a name: letters, digits, `-`, `_` and `.`, 64 at most.
-fn key(prefix: &str, name: &str) -> String {
-    let name = name.chars().map(|c| {
-        if c.is_ascii_alphanumeric() || "._-".contains(c) {
-            c
-        } else {
-            '_'
-        }
-    });
-    format!("{prefix}.").chars().chain(name).take(64).collect()
 }

@@ -1,18 +1,18 @@
 //! What the command line prints: results on standard output, findings and warnings on standard error.
 
-#![expect(clippy::print_stderr, reason = "printing is this module's work")]
-
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::process::ExitCode;
 
 use volgraph::Findings;
 use volgraph_report::excerpt;
 
-/// Prints a result.
+/// Prints a result. A closed pipe (as of `| head`) is no error worth a panic, here and below.
 pub fn print(text: &str) {
-    // A closed pipe (as of `| head`) is no error worth a panic.
-    use std::io::Write;
     let _ = writeln!(std::io::stdout().lock(), "{}", text.trim_end());
+}
+
+fn tell(text: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{text}");
 }
 
 /// Prints a value as JSON.
@@ -22,7 +22,7 @@ pub fn print_json(value: &serde_json::Value) {
 
 /// Prints a warning.
 pub fn warn(text: &str) {
-    eprintln!("warning: {text}");
+    tell(&format!("warning: {text}"));
 }
 
 /// Nobody reads more findings than this at once.
@@ -37,9 +37,12 @@ pub fn report(findings: &Findings) {
         .take(MAX_SHOWN)
         .map(|finding| (*finding).clone())
         .collect();
-    eprintln!("{}", excerpt::render(&shown, excerpt::from_disk, color));
+    tell(&excerpt::render(&shown, excerpt::from_disk, color));
     if sorted.len() > MAX_SHOWN {
-        eprintln!("\n… and {} more findings", sorted.len() - MAX_SHOWN);
+        tell(&format!(
+            "\n… and {} more findings",
+            sorted.len() - MAX_SHOWN
+        ));
     }
 }
 
@@ -47,7 +50,7 @@ pub fn report(findings: &Findings) {
 pub fn fail(error: &anyhow::Error) -> ExitCode {
     match error.downcast_ref::<Findings>() {
         Some(findings) => report(findings),
-        None => eprintln!("error: {error:#}"),
+        None => tell(&format!("error: {error:#}")),
     }
     ExitCode::from(1)
 }

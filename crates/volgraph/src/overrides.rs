@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use volgraph_graph::{CameraDesc, GraphDesc, ParamDesc, SourceDesc};
 use volgraph_report::{Finding, Findings, Place, did_you_mean};
 use volgraph_shader::ParamValue;
@@ -13,11 +13,29 @@ pub struct Overrides {
     /// `--set node.param=value`, in their order.
     pub params: Vec<ParamOverride>,
     /// `--volume name=FILE`: (source name, file).
+    #[serde(serialize_with = "shown_volumes")]
     pub volumes: Vec<(String, PathBuf)>,
     /// `--camera …`.
     pub camera: Option<CameraDesc>,
     /// `--data FOLDER`: where files of sources are looked for that do not lie beside the graph.
+    #[serde(serialize_with = "shown")]
     pub data: Vec<PathBuf>,
+}
+
+/// Paths as people read them: those that are no text at all as near as it goes.
+fn shown<S: Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(paths.iter().map(|path| path.display().to_string()))
+}
+
+fn shown_volumes<S: Serializer>(
+    volumes: &[(String, PathBuf)],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(
+        volumes
+            .iter()
+            .map(|(name, path)| (name, path.display().to_string())),
+    )
 }
 
 /// One `--set`: `node.param=value`, `node.slots.slot=choice` or `source.field=value`.

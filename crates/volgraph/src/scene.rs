@@ -119,6 +119,28 @@ impl Scene {
         })
     }
 
+    /// Whether there is a picture: an output named `color`.
+    ///
+    /// # Errors
+    /// `no-color-output`, at the place of the outputs that there are.
+    pub fn check_color_output(&self) -> Result<(), Finding> {
+        let outputs = &self.desc.outputs;
+        if outputs.contains_key("color") {
+            return Ok(());
+        }
+        let finding = Finding::error(
+            "no-color-output",
+            "the graph names no output `color`, which is the picture",
+        )
+        .help(
+            "add `\"color\": \"image.color\"` to its outputs, with the name of a node and its port",
+        );
+        Err(match outputs.values().next() {
+            Some(edge) => finding.at(edge.name_place.clone()),
+            None => finding.at(Place::whole_file(&self.path)),
+        })
+    }
+
     /// What the user should know of the sources: (source, warning).
     #[must_use]
     pub fn warnings(&self) -> Vec<(String, String)> {

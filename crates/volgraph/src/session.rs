@@ -92,6 +92,7 @@ impl Session {
     /// # Errors
     /// As [`Self::open`].
     pub fn start(scene: Scene, gpu: Arc<Gpu>, options: &SessionOptions) -> Result<Self, Findings> {
+        scene.check_color_output()?;
         let shaders = scene.shader_library(gpu.capabilities());
         let plan =
             Arc::new(scene.plan(&shaders, &gpu.limits(), options.size, options.with_layers)?);

@@ -7,10 +7,10 @@
 fn classify_segment(segment: Segment) -> Classified {
     let entry = transfer_between(segment.front.scalar, segment.back.scalar);
     let transmittance = exp(-entry.w);
-    // The table is made for whole segments. The last one is shorter: its optical depth is in proportion, and its
-    // colour is that of the whole segment seen through the shorter depth.
+    // The table is made for segments of one length. The last one is shorter: its optical depth is in proportion, and
+    // its colour is that of the whole segment seen through the shorter depth. So with a longer one.
     let part = segment.length / transfer.preintegration_length;
-    if part > 0.9999 {
+    if abs(part - 1.0) < 1.0e-4 {
         return Classified(entry.xyz, transmittance);
     }
     let part_transmittance = exp(-entry.w * part);

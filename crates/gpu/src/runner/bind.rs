@@ -55,11 +55,14 @@ impl Runner {
                     resource,
                 });
             }
-            let bind_group = self.gpu.device.create_bind_group(&BindGroupDescriptor {
-                label: Some(&node.name),
-                layout,
-                entries: &entries,
-            });
+            let what = format!("binding the resources of node `{}`", node.name);
+            let bind_group = self.gpu.scoped(&what, self.memory().bytes, || {
+                self.gpu.device.create_bind_group(&BindGroupDescriptor {
+                    label: Some(&node.name),
+                    layout,
+                    entries: &entries,
+                })
+            })?;
             groups.push((*group, bind_group));
         }
         Ok((pipeline, groups))

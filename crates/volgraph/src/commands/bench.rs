@@ -45,24 +45,28 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
         }
         if frame >= args.warm_up {
             frame_ms.push(start.elapsed().as_secs_f64() * 1e3);
-            gpu_ms.push(report.nodes.iter().filter_map(|node| node.gpu_ms).sum());
+            let times: Vec<f64> = report.nodes.iter().filter_map(|node| node.gpu_ms).collect();
+            if !times.is_empty() {
+                gpu_ms.push(times.iter().sum());
+            }
         }
         last = Some(report);
     }
     let frames = Summary::of(&frame_ms)?;
-    let device = Summary::of(&gpu_ms)?;
+    // Some devices tell no times.
+    let device = Summary::of(&gpu_ms).ok();
     if args.json {
         output::print_json(&json!({
             "adapter": session.adapter(),
             "size": args.scene.size,
             "reads_back": !args.no_read_back,
             "frame_ms": { "min": frames.min, "median": frames.median, "max": frames.max, "all": frame_ms },
-            "gpu_ms": { "min": device.min, "median": device.median, "max": device.max },
+            "gpu_ms": device.map(|device| json!({ "min": device.min, "median": device.median, "max": device.max })),
             "last_frame": last,
         }));
     } else {
         output::print(&format!(
-            "{} frames of {}x{} on {}: median {:.1} ms, {:.1} to {:.1}; on the device {:.1} ms",
+            "{} frames of {}x{} on {}: median {:.1} ms, {:.1} to {:.1}{}",
             frames.n,
             args.scene.size[0],
             args.scene.size[1],
@@ -70,7 +74,10 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
             frames.median,
             frames.min,
             frames.max,
-            device.median
+            device.map_or_else(String::new, |device| format!(
+                "; on the device {:.1} ms",
+                device.median
+            ))
         ));
     }
     Ok(ExitCode::SUCCESS)

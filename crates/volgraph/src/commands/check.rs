@@ -16,7 +16,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use volgraph::{Finding, Findings, Place, ShaderFolders, registry};
+use volgraph::{Finding, Findings, Place, registry};
 use volgraph_optics::TransferFunction;
 use volgraph_report::ron_text::Document;
 
@@ -33,9 +33,7 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     let mut findings = Findings::new();
     let files = files(&args.paths, &mut findings);
     let registry = registry();
-    let folders = ShaderFolders {
-        own: args.shaders.clone(),
-    };
+    let folders = args.shaders.folders();
     let is_wgsl = |path: &&PathBuf| {
         path.extension()
             .is_some_and(|extension| extension == "wgsl")
@@ -45,7 +43,7 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     let graphs = graphs::Checker {
         registry: &registry,
         folders: &folders,
-        data: &args.data,
+        data: &args.data.data,
     };
     for path in files.iter().filter(|path| !is_wgsl(path)) {
         findings.extend(check_ron(path, &graphs));

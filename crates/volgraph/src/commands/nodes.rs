@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use naga::valid::Capabilities;
 use serde_json::{Value, json};
-use volgraph::{Finding, Findings, Registry, ShaderFolders, registry};
+use volgraph::{Finding, Findings, Registry, registry};
 use volgraph_graph::{NodeKind, Requirement, SourceKind};
 use volgraph_report::did_you_mean;
 use volgraph_shader::{ParamSpec, ShaderRoots, check_file};
@@ -18,10 +18,7 @@ use crate::output;
 pub fn run(args: &NodesArgs) -> anyhow::Result<ExitCode> {
     let registry = registry();
     let shaders = Shaders {
-        roots: ShaderFolders {
-            own: args.shaders.clone(),
-        }
-        .roots(None),
+        roots: args.shaders.folders().roots(None),
         defaults: registry.default_slots(),
     };
     let is_asked = |name: &str| args.kind.as_deref().is_none_or(|kind| kind == name);

@@ -57,7 +57,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
     let milliseconds = |duration: std::time::Duration| duration.as_secs_f64() * 1e3;
     if args.json {
         output::print_json(&json!({
-            "output": args.output,
+            "output": args.output.display().to_string(),
             "size": args.scene.size,
             "adapter": session.adapter(),
             "ready_ms": milliseconds(ready),

@@ -61,11 +61,11 @@ impl Checker<'_> {
             registry: self.registry.clone(),
             shader_folders: self.folders.clone(),
         };
+        findings.take(scene.check_color_output());
         let shaders = scene.shader_library(Capabilities::default());
         // A graph may ask for floats that nearly every device can filter; a plan for a device that cannot tells.
         let limits = Limits {
             float32_filterable: true,
-            norm16: true,
             ..Limits::default()
         };
         for with_layers in [false, true] {
