@@ -62,6 +62,6 @@ fn ray_position(ray: Ray, distance: f32) -> vec3f {
 }
 
 // The middle of a segment in texture coordinates.
-fn segment_centre(segment: Segment) -> vec3f {
-    return 0.5 * (segment.front.position + segment.back.position);
+fn segment_centre(ray: Ray, segment: Segment) -> vec3f {
+    return ray_position(ray, segment.start + 0.5 * segment.length);
 }

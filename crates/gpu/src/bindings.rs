@@ -62,6 +62,8 @@ pub(crate) fn layout_entry(
         },
         BindingKind::Sampler { comparison } => BindingType::Sampler(if *comparison {
             SamplerBindingType::Comparison
+        } else if binding.name == volgraph_shader::NEAREST_SAMPLER {
+            SamplerBindingType::NonFiltering
         } else {
             SamplerBindingType::Filtering
         }),

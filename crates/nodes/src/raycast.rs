@@ -388,18 +388,26 @@ fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     let preintegration_step = node
         .writer("preintegration_table")
         .map_or(1.0, |writer| writer.float("step"));
+    // Shaders count scalars from the encoding's reference.
+    let reference = placement::encoding(node)?.reference;
+    let (low, span) = (low - reference, high - low);
+    let references_per_world = transfer.reference_length().extinction_per_world(voxel);
     Ok(vec![
-        ("low", f32_value(low - placement::encoding(node)?.reference)),
-        ("entries_per_scalar", f32_value(entries / (high - low))),
-        ("last_entry", f32_value(entries)),
+        // The first and the last entry stand in the middle of their texels.
+        ("entry_scale", f32_value(entries / (span * (entries + 1.0)))),
+        (
+            "entry_bias",
+            f32_value((0.5 - low * entries / span) / (entries + 1.0)),
+        ),
+        ("low", f32_value(low)),
         (
             "preintegration_per_scalar",
-            f32_value(preintegration / (high - low)),
+            f32_value(preintegration / span),
         ),
         ("preintegration_last", f32_value(preintegration)),
         (
-            "references_per_world",
-            f32_value(transfer.reference_length().extinction_per_world(voxel)),
+            "halvings_per_world",
+            f32_value(references_per_world * std::f64::consts::LOG2_E),
         ),
         (
             "preintegration_length",

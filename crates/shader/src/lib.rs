@@ -28,6 +28,8 @@ pub use layout::{Member, MemberType, ScalarType, StructLayout};
 pub use link::{LinkRequest, link};
 pub use linked::{Linked, LinkedFile, SegmentMap};
 pub use params::{ParamSpec, ParamType, ParamValue};
-pub use reflect::{Binding, BindingKind, EntryPoint, OverrideSpec, TextureDim, TextureSample};
+pub use reflect::{
+    Binding, BindingKind, EntryPoint, NEAREST_SAMPLER, OverrideSpec, TextureDim, TextureSample,
+};
 pub use roots::ShaderRoots;
 pub use uniform::{UniformError, UniformValue, UniformWriter};

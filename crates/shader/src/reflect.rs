@@ -60,7 +60,8 @@ pub enum TextureDim {
 pub enum TextureSample {
     /// Floats.
     Float {
-        /// Whether the entry point samples it with a sampler; `false` where it only loads.
+        /// Whether the entry point samples it with a sampler that filters; `false` where it only loads, or picks the
+        /// nearest texel (see [`NEAREST_SAMPLER`]).
         filterable: bool,
     },
     /// Signed integers.
@@ -177,7 +178,7 @@ impl Module {
                 let resource = variable.binding?;
                 let name = variable.name.clone().unwrap_or_default();
                 Some(Binding {
-                    kind: self.kind(variable, is_sampled(info, handle)),
+                    kind: self.kind(variable, is_filtered(&self.naga, info, handle)),
                     place: self.place_of(&name),
                     name,
                     group: resource.group,
@@ -248,7 +249,7 @@ impl Module {
         Layouts::new(&self.naga, &self.linked).struct_layout(ty)
     }
 
-    fn kind(&self, variable: &GlobalVariable, is_sampled: bool) -> BindingKind {
+    fn kind(&self, variable: &GlobalVariable, is_filtered: bool) -> BindingKind {
         let ty = &self.naga.types[variable.ty];
         let mut layouts = Layouts::new(&self.naga, &self.linked);
         let layout = layouts.struct_layout(ty);
@@ -309,7 +310,7 @@ impl Module {
                     } => texture(TextureSample::Uint, multi),
                     ImageClass::Sampled { multi, .. } => texture(
                         TextureSample::Float {
-                            filterable: is_sampled,
+                            filterable: is_filtered,
                         },
                         multi,
                     ),
@@ -363,9 +364,21 @@ impl Module {
     }
 }
 
-/// Whether a texture is used together with a sampler, by this function or what it calls.
-fn is_sampled(info: &FunctionInfo, texture: Handle<GlobalVariable>) -> bool {
-    info.sampling_set.iter().any(|pair| pair.image == texture)
+/// The sampler that picks the nearest texel, by its name: it needs no format that can be filtered.
+pub const NEAREST_SAMPLER: &str = "nearest_sampler";
+
+/// Whether a texture is used together with a sampler that filters, by this function or what it calls.
+fn is_filtered(
+    module: &naga::Module,
+    info: &FunctionInfo,
+    texture: Handle<GlobalVariable>,
+) -> bool {
+    let filters = |sampler: Handle<GlobalVariable>| {
+        module.global_variables[sampler].name.as_deref() != Some(NEAREST_SAMPLER)
+    };
+    info.sampling_set
+        .iter()
+        .any(|pair| pair.image == texture && filters(pair.sampler))
 }
 
 fn literal_number(literal: Literal) -> f64 {

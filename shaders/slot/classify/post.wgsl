@@ -4,8 +4,8 @@
 #import "lib/transfer.wgsl"
 #import slot "reconstruct"
 
-fn classify_segment(segment: Segment) -> Classified {
-    let entry = transfer_at(reconstruct_scalar(segment_centre(segment)));
-    let transmittance = exp(-entry.w * segment.length * transfer.references_per_world);
+fn classify_segment(ray: Ray, segment: Segment) -> Classified {
+    let entry = transfer_at(reconstruct_scalar(segment_centre(ray, segment)));
+    let transmittance = exp2(-entry.w * (segment.length * transfer.halvings_per_world));
     return Classified(entry.xyz * (1.0 - transmittance), transmittance);
 }

@@ -4,7 +4,7 @@
 #import "lib/classified.wgsl"
 #import "lib/transfer.wgsl"
 
-fn classify_segment(segment: Segment) -> Classified {
+fn classify_segment(ray: Ray, segment: Segment) -> Classified {
     let entry = transfer_between(segment.front.scalar, segment.back.scalar);
     let transmittance = exp(-entry.w);
     // The table is made for segments of one length. The last one is shorter: its optical depth is in proportion, and

@@ -19,7 +19,7 @@ use crate::pool::Held;
 use crate::timing::Timer;
 
 /// The side of the view on which variants are measured.
-const MEASURE_SIZE: u32 = 128;
+const MEASURE_SIZE: u32 = 256;
 
 /// Commands recorded and not yet submitted.
 struct Recording {
@@ -161,7 +161,7 @@ impl Runner {
         };
         let mut times: BTreeMap<&'static str, f64> = BTreeMap::new();
         // The first run compiles; of the others, in turns, the fastest counts: what is beside on the machine only adds.
-        for round in 0..4 {
+        for round in 0..3 {
             for &variant in &variants {
                 let mut recording = Recording {
                     encoder: self.encoder(),
