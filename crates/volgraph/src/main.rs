@@ -14,9 +14,19 @@ use clap::Parser;
 use crate::args::Args;
 
 fn main() -> ExitCode {
+    quiet_wayland();
     let args = Args::parse();
     match commands::run(args.command) {
         Ok(code) => code,
         Err(error) => output::fail(&error),
+    }
+}
+
+/// Mesa's Vulkan layer asks for a Wayland display, and without this variable its library prints errors, as in
+/// containers; a folder without a display in it is taken in silence.
+fn quiet_wayland() {
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        // SAFETY: no other thread has been started yet.
+        unsafe { std::env::set_var("XDG_RUNTIME_DIR", std::env::temp_dir()) };
     }
 }
