@@ -24,7 +24,6 @@ use crate::error::GpuError;
 pub(crate) struct PipelineKey {
     module: Digest,
     entries: Vec<&'static str>,
-    back_faces_only: bool,
     constants: Vec<(String, u64)>,
 }
 
@@ -104,22 +103,21 @@ impl Pipelines {
 }
 
 fn key(program: &Program, pass: &Pass) -> Option<PipelineKey> {
-    let (entries, mesh, constants) = match pass {
+    let (entries, constants) = match pass {
         Pass::Compute {
             entry, constants, ..
-        } => (vec![*entry], None, constants),
+        } => (vec![*entry], constants),
         Pass::Draw {
             vertex,
             fragment,
-            mesh,
             constants,
-        } => (vec![*vertex, *fragment], Some(mesh), constants),
+            ..
+        } => (vec![*vertex, *fragment], constants),
         Pass::Upload { .. } => return None,
     };
     Some(PipelineKey {
         module: program.module.linked.digest,
         entries,
-        back_faces_only: mesh.is_some_and(|mesh| mesh.back_faces_only),
         constants: constants
             .iter()
             .map(|(name, value)| (name.clone(), value.to_bits()))
@@ -241,7 +239,7 @@ fn build(
                 primitive: PrimitiveState {
                     topology: PrimitiveTopology::TriangleList,
                     front_face: FrontFace::Ccw,
-                    cull_mode: key.back_faces_only.then_some(Face::Front),
+                    cull_mode: Some(Face::Front),
                     ..PrimitiveState::default()
                 },
                 depth_stencil: None,

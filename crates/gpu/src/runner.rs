@@ -191,10 +191,19 @@ impl Runner {
             .iter()
             .filter(|held| held.texture().is_some())
             .count();
+        let scratch = self
+            .scratch
+            .as_ref()
+            .map(|texture| u64::from(texture.width()) * u64::from(texture.height()));
         PoolReport {
-            textures,
+            textures: textures + usize::from(scratch.is_some()),
             buffers: self.held.len() - textures,
-            bytes: self.held.iter().map(|held| held.resource.bytes()).sum(),
+            bytes: self
+                .held
+                .iter()
+                .map(|held| held.resource.bytes())
+                .sum::<u64>()
+                + scratch.unwrap_or(0),
             made: self.made,
             reused: self.reused,
         }

@@ -193,7 +193,7 @@ impl<'g> NodeContext<'g> {
         self.frame.map(|frame| frame.view)
     }
 
-    /// The variant to record (see [`NodeKind::variants`]).
+    /// The variant to record (see [`crate::NodeKind::variants`]).
     #[must_use]
     pub fn variant(&self) -> Option<&'g str> {
         self.frame.and_then(|frame| frame.variant)

@@ -40,15 +40,13 @@ pub enum Pass {
 }
 
 /// The triangles at an input port: positions, three f32 in world space each, three to a triangle, wound
-/// anticlockwise as seen from outside.
+/// anticlockwise as seen from outside. Only the faces turned away are drawn, so that a camera inside still sees them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mesh {
     /// Input port.
     pub port: &'static str,
     /// Number of vertices.
     pub vertices: u32,
-    /// Only the faces turned away are drawn, so that a camera inside still sees the box.
-    pub back_faces_only: bool,
 }
 
 type MakeBytes = dyn Fn() -> Result<Vec<u8>, Finding> + Send + Sync;

@@ -302,7 +302,6 @@ impl NodeKind for Raycast {
                 mesh: Mesh {
                     port: "rays",
                     vertices: proxy_box::VERTICES,
-                    back_faces_only: true,
                 },
                 constants: Vec::new(),
             }),

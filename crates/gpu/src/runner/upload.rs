@@ -27,7 +27,7 @@ impl Runner {
         match held.resource {
             ResourceKind::Buffer { .. } => {
                 if let Some(buffer) = held.buffer() {
-                    self.gpu.scoped(&what, expected, || {
+                    self.gpu.scoped(&what, self.memory().bytes, || {
                         self.gpu.queue.write_buffer(buffer, 0, bytes);
                     })?;
                 }
@@ -43,7 +43,7 @@ impl Runner {
                 for (slab, bytes) in bytes.chunks(layer * layers_at_once).enumerate() {
                     let z = u32::try_from(slab * layers_at_once).unwrap_or(u32::MAX);
                     let depth = u32::try_from(bytes.len() / layer).unwrap_or(u32::MAX);
-                    self.gpu.scoped(&what, expected, || {
+                    self.gpu.scoped(&what, self.memory().bytes, || {
                         self.gpu.queue.write_texture(
                             TexelCopyTextureInfo {
                                 texture,
