@@ -1,5 +1,6 @@
 //! What did not change is not done again: counts of the nodes that run.
 
+use volgraph::{Change, Outcome};
 use volgraph_graph::CameraDesc;
 use volgraph_graph::camera::Pose;
 use volgraph_tests::{Stage, adapters, graph};
@@ -74,11 +75,15 @@ fn another_size_keeps_what_does_not_depend_on_it() {
     for backend in adapters() {
         let mut session = stage.open("graph.ron", &[], &backend, [32, 32]).unwrap();
         session.draw().unwrap();
-        session.set_size([40, 24]).unwrap();
-        let (picture, report) = session.render().unwrap();
-        assert_eq!((picture.width, picture.height), (40, 24));
-        assert_eq!(report.ran(), ["background", "image"], "{backend}");
-        assert!(report.memory.reused >= 4, "{:?}", report.memory);
+        let drawn = match session.apply(&Change::Size([40, 24])).unwrap() {
+            Outcome::Drawn(drawn) => drawn,
+            Outcome::Unchanged => panic!("{backend}: another size is another picture"),
+        };
+        assert_eq!((drawn.picture.width, drawn.picture.height), (40, 24));
+        let frame = drawn.report.frame;
+        assert_eq!(frame.ran(), ["background", "image"], "{backend}");
+        assert_eq!(frame.memory.reused, 4, "box, volume, gradients and table");
+        assert!(session.draw().unwrap().ran().is_empty());
     }
 }
 
@@ -88,9 +93,10 @@ fn a_refused_size_leaves_the_session_as_it_was() {
     for backend in adapters() {
         let mut session = stage.open("graph.ron", &[], &backend, [32, 32]).unwrap();
         let before = session.render().unwrap().0;
-        let refused = session.set_size([1_000_000, 10]).unwrap_err();
+        let refused = session.apply(&Change::Size([1_000_000, 10])).unwrap_err();
         assert!(
             refused
+                .findings
                 .into_iter()
                 .all(|finding| finding.code == "over-limit")
         );

@@ -76,6 +76,19 @@ impl Gpu {
         &self.summary
     }
 
+    /// Why the device is lost, if it is.
+    #[must_use]
+    pub fn lost(&self) -> Option<String> {
+        locked(&self.faults.lost).clone()
+    }
+
+    /// Destroys the device, as a crash of its driver would.
+    pub fn destroy(&self) {
+        self.device.destroy();
+        // The callback that takes note of it is called from here at the latest.
+        let _ = self.device.poll(wgpu::PollType::Poll);
+    }
+
     /// What plans for this device may ask for.
     #[must_use]
     pub fn limits(&self) -> Limits {
@@ -142,6 +155,9 @@ impl Gpu {
         let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
         let internal = self.device.push_error_scope(wgpu::ErrorFilter::Internal);
         let value = work();
+        if let Some(reason) = self.lost() {
+            return Err(GpuError::Lost(reason));
+        }
         let internal = pollster::block_on(internal.pop());
         let validation = pollster::block_on(validation.pop());
         let memory = pollster::block_on(memory.pop());

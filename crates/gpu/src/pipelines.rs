@@ -1,8 +1,9 @@
-//! Pipelines by everything that they depend on, built once and kept.
+//! Pipelines by everything that they depend on, built once and kept while an installation uses them.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::time::Instant;
 
 use volgraph_graph::{Digest, Pass, Program};
 use volgraph_report::{Finding, Findings};
@@ -18,6 +19,7 @@ use wgpu::{
 use crate::bindings::{layout_entry, with_uniforms_as_storage};
 use crate::device::Gpu;
 use crate::error::GpuError;
+use crate::runner::Building;
 
 /// Everything that makes two pipelines different. `override` values go by their bits.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -49,6 +51,8 @@ pub(crate) struct Pipelines {
     /// By linked text, and whether uniforms are read as storage buffers.
     modules: BTreeMap<(Digest, bool), Arc<ShaderModule>>,
     built: BTreeMap<PipelineKey, Arc<Pipeline>>,
+    /// What was built since somebody asked.
+    pub(crate) building: Building,
 }
 
 impl Pipelines {
@@ -57,10 +61,18 @@ impl Pipelines {
         self.built.len()
     }
 
-    /// The pipeline of a pass; `None` for passes that need none.
+    /// Lets go of all but these.
+    pub(crate) fn retain(&mut self, used: &[PipelineKey]) {
+        self.built.retain(|key, _| used.contains(key));
+        self.modules
+            .retain(|(digest, _), _| used.iter().any(|key| key.module == *digest));
+    }
+
+    /// The pipeline of a pass of a node; `None` for passes that need none.
     pub(crate) fn get(
         &mut self,
         gpu: &Gpu,
+        node: &str,
         program: &Program,
         pass: &Pass,
     ) -> Result<Option<Arc<Pipeline>>, GpuError> {
@@ -70,11 +82,16 @@ impl Pipelines {
         if let Some(pipeline) = self.built.get(&key) {
             return Ok(Some(Arc::clone(pipeline)));
         }
-        let what = format!("building `{}`", key.entries.join("` and `"));
+        let entries = key.entries.join("` and `");
+        let what = format!(
+            "building `{entries}` of `{}` for node `{node}`",
+            program.spec.root
+        );
         let uniforms_as_storage = gpu.uniforms_as_storage() && matches!(pass, Pass::Compute { .. });
         let module = match self.modules.get(&(key.module, uniforms_as_storage)) {
             Some(module) => Arc::clone(module),
             None => {
+                let start = Instant::now();
                 let naga = program.module.naga.clone();
                 let naga = if uniforms_as_storage {
                     with_uniforms_as_storage(naga)
@@ -91,18 +108,24 @@ impl Pipelines {
                 })?;
                 self.modules
                     .insert((key.module, uniforms_as_storage), Arc::clone(&module));
+                self.building.module_time += start.elapsed();
                 module
             }
         };
         let groups = groups(gpu, program, &key, uniforms_as_storage, &what)?;
+        let start = Instant::now();
         let kind = gpu.scoped(&what, 0, || build(gpu, &module, &key, &groups))?;
+        self.building.pipeline_time += start.elapsed();
+        let built = format!("{node} ({})", key.entries[key.entries.len() - 1]);
+        self.building.pipelines.push(built);
         let pipeline = Arc::new(Pipeline { kind, groups });
         self.built.insert(key, Arc::clone(&pipeline));
         Ok(Some(pipeline))
     }
 }
 
-fn key(program: &Program, pass: &Pass) -> Option<PipelineKey> {
+/// The key of a pass's pipeline; `None` for passes that need none.
+pub(crate) fn key(program: &Program, pass: &Pass) -> Option<PipelineKey> {
     let (entries, constants) = match pass {
         Pass::Compute {
             entry, constants, ..

@@ -1,5 +1,5 @@
-//! Memory on the device. A pooled resource is reclaimed by description: a plan asks for kinds, and gets what is
-//! held of equal kind and use, preferably with the content that it needs, before anything is made anew.
+//! Memory on the device. A plan asks for resources; what is held already with the content that one of them needs is
+//! shared, and everything else is made anew, so that the plan before keeps what it has until the new one is proven.
 
 use std::collections::BTreeSet;
 
@@ -10,8 +10,8 @@ use wgpu::{
     TextureDimension, TextureUsages, TextureView,
 };
 
-/// A resource on the device.
-#[derive(Debug)]
+/// A resource on the device; clones share it.
+#[derive(Clone, Debug)]
 pub struct Held {
     /// What it is.
     pub resource: ResourceKind,
@@ -22,7 +22,7 @@ pub struct Held {
     pub(crate) object: Object,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) enum Object {
     Texture { texture: Texture, view: TextureView },
     Buffer(Buffer),
@@ -62,7 +62,7 @@ pub struct PoolReport {
     pub bytes: u64,
     /// Resources made since the start.
     pub made: u64,
-    /// Resources taken over from an earlier plan since the start.
+    /// Resources shared with an earlier plan since the start.
     pub reused: u64,
 }
 
@@ -80,34 +80,23 @@ pub struct Wish {
 /// A held resource, as wishes are compared with it: what it is, whether it is a storage texture, what it holds.
 pub type Offer = (ResourceKind, bool, Option<(Digest, String)>);
 
-/// How wishes are met from what is held: for each wish the index of a held resource, or `None` where one must be
-/// made. Content comes first, so that no wish takes what another one could keep.
+/// Which held resource each wish shares, if any: one of the same kind and use that holds what the wish's only user
+/// would write. Nothing else is shared, so that what is held stays as it is while the plan with the wishes is tried:
+/// a node whose result is there already does not run.
 #[must_use]
-pub fn match_wishes(held: &[Offer], wishes: &[Wish]) -> Vec<Option<usize>> {
-    let mut taken = vec![false; held.len()];
-    let mut matched = vec![None; wishes.len()];
-    for by_content in [true, false] {
-        for (wish, slot) in wishes.iter().zip(&mut matched) {
-            if slot.is_some() {
-                continue;
-            }
-            let fits = |at: &usize| {
-                let (resource, is_storage, content) = &held[*at];
-                !taken[*at]
-                    && *resource == wish.resource
-                    && *is_storage == wish.is_storage
-                    && (!by_content
-                        || content
-                            .as_ref()
-                            .is_some_and(|content| wish.contents.contains(content)))
-            };
-            *slot = (0..held.len()).find(fits);
-            if let Some(at) = *slot {
-                taken[at] = true;
-            }
-        }
-    }
-    matched
+pub fn shared(held: &[Offer], wishes: &[Wish]) -> Vec<Option<usize>> {
+    let fits = |wish: &Wish, (resource, is_storage, content): &Offer| {
+        *resource == wish.resource
+            && *is_storage == wish.is_storage
+            && wish.contents.len() == 1
+            && content
+                .as_ref()
+                .is_some_and(|content| wish.contents.contains(content))
+    };
+    wishes
+        .iter()
+        .map(|wish| held.iter().position(|offer| fits(wish, offer)))
+        .collect()
 }
 
 pub(crate) fn make(device: &Device, resource: ResourceKind, is_storage: bool) -> Held {
@@ -176,31 +165,39 @@ mod tests {
         }
     }
 
+    fn offer(bytes: u64, is_storage: bool, content: Option<u8>) -> Offer {
+        let content = content.map(|content| ([content; 32], "out".to_owned()));
+        (ResourceKind::Buffer { bytes }, is_storage, content)
+    }
+
     #[test]
-    fn content_is_kept_by_whom_it_serves() {
-        let held = |bytes, content: u8| {
-            (
-                ResourceKind::Buffer { bytes },
-                false,
-                Some(([content; 32], "out".to_owned())),
-            )
-        };
-        let there = [held(8, 1), held(8, 2), held(4, 3)];
+    fn what_holds_the_content_is_shared() {
+        let held = [
+            offer(8, false, Some(1)),
+            offer(8, false, Some(2)),
+            offer(4, false, Some(3)),
+        ];
         let wishes = [
             wish(8, None),
-            wish(8, Some(1)),
+            wish(8, Some(2)),
             wish(4, Some(9)),
-            wish(16, None),
+            wish(16, Some(1)),
         ];
-        assert_eq!(
-            match_wishes(&there, &wishes),
-            [Some(1), Some(0), Some(2), None]
-        );
+        assert_eq!(shared(&held, &wishes), [None, Some(1), None, None]);
+    }
+
+    #[test]
+    fn what_would_be_overwritten_is_not_shared() {
+        let mut twice = wish(8, Some(1));
+        twice.contents.insert(([2; 32], "out".to_owned()));
+        assert_eq!(shared(&[offer(8, false, Some(1))], &[twice]), [None]);
+        let empty = offer(8, false, None);
+        assert_eq!(shared(&[empty], &[wish(8, Some(1))]), [None]);
     }
 
     #[test]
     fn other_uses_are_another_resource() {
-        let there = [(ResourceKind::Buffer { bytes: 8 }, true, None)];
-        assert_eq!(match_wishes(&there, &[wish(8, None)]), [None]);
+        let there = [offer(8, true, Some(1))];
+        assert_eq!(shared(&there, &[wish(8, Some(1))]), [None]);
     }
 }

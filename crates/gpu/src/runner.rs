@@ -1,22 +1,32 @@
 //! Runs plans: what must run, in its order, and nothing else.
+//!
+//! A [`Runner`] belongs to a device: pipelines, samplers, which variant is fastest. What belongs to a plan is an
+//! [`Installation`]: [`Runner::prepare`] proves the plan and gives it memory of its own, sharing with the installation
+//! before only what already holds the right content. [`Runner::frame`] draws into an installation. The caller keeps
+//! the old one until a frame of the new one has succeeded, drops the other, and calls [`Runner::keep`].
 
 mod bind;
 mod frame;
+
+mod installation;
+mod report;
 mod schedule;
 mod upload;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::time::Duration;
 
-use serde::Serialize;
-use volgraph_graph::{Digest, NodeId, Plan, View};
-use wgpu::{AddressMode, FilterMode, Sampler, SamplerDescriptor, Texture};
+use volgraph_graph::{NodeId, Plan, View};
+use wgpu::{AddressMode, FilterMode, Sampler, SamplerDescriptor};
 
 use crate::device::Gpu;
 use crate::error::GpuError;
 use crate::pipelines::Pipelines;
-use crate::pool::{Held, PoolReport, Wish, make, match_wishes};
-use crate::readback::{Texels, read_texture};
+use crate::pool::{make, shared};
+
+pub use installation::Installation;
+pub use report::{FrameReport, NodeReport};
 
 /// Samplers, made once.
 #[derive(Debug)]
@@ -26,64 +36,37 @@ struct Samplers {
     repeat: Sampler,
 }
 
-/// Runs the frames of one plan after the other on one device, and remembers what is done already.
+/// Which variant of a node is the fastest, and the times that say so, in milliseconds.
+#[derive(Clone, Debug)]
+struct Chosen {
+    variant: &'static str,
+    measured: BTreeMap<&'static str, f64>,
+}
+
+/// Runs installations of plans on one device, and remembers what is built already.
 pub struct Runner {
     gpu: Arc<Gpu>,
-    plan: Option<Arc<Plan>>,
-    /// One for each allocation of the plan, in its order.
-    held: Vec<Held>,
     pipelines: Pipelines,
     samplers: Samplers,
-    /// The target of draw passes, as large as the last view; nothing is written to it.
-    scratch: Option<Texture>,
-    /// Program → the variant that was measured to be the fastest, and the times.
-    chosen: BTreeMap<Digest, (&'static str, BTreeMap<&'static str, f64>)>,
+    /// By [`variant_key`]: an edit of a shader's text keeps the choice.
+    chosen: BTreeMap<String, Chosen>,
     made: u64,
     reused: u64,
 }
 
-/// What one frame did.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct FrameReport {
-    /// All nodes in their order.
-    pub nodes: Vec<NodeReport>,
-    /// Memory after the frame.
-    pub memory: PoolReport,
-    /// Pipelines built since the start.
-    pub pipelines: usize,
-}
-
-/// What one node did in a frame.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct NodeReport {
-    /// Its name.
-    pub name: String,
-    /// Its kind.
-    pub kind: String,
-    /// Whether it ran, or what it wrote last still held.
-    pub ran: bool,
-    /// The variant that ran, where it has several.
-    pub variant: Option<String>,
-    /// The variants' times on the small view that chose among them, milliseconds.
-    pub measured_ms: BTreeMap<String, f64>,
-    /// Its time on the device, milliseconds; `None` where it did not run or the device cannot tell.
-    pub gpu_ms: Option<f64>,
-}
-
-impl FrameReport {
-    /// The names of the nodes that ran.
-    #[must_use]
-    pub fn ran(&self) -> Vec<&str> {
-        self.nodes
-            .iter()
-            .filter(|node| node.ran)
-            .map(|node| node.name.as_str())
-            .collect()
-    }
+/// What was built since the last [`Runner::take_building`], and how long it took.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Building {
+    /// `node (entry point)` of each pipeline, in the order in which they were built.
+    pub pipelines: Vec<String>,
+    /// Time in the driver's pipeline builds.
+    pub pipeline_time: Duration,
+    /// Time for shader modules: guarding and wgpu's own validation.
+    pub module_time: Duration,
 }
 
 impl Runner {
-    /// A runner without a plan.
+    /// A runner that has built nothing yet.
     #[must_use]
     pub fn new(gpu: Arc<Gpu>) -> Self {
         let sampler = |address: AddressMode, filter: FilterMode| {
@@ -103,11 +86,8 @@ impl Runner {
         };
         Self {
             gpu,
-            plan: None,
-            held: Vec::new(),
             pipelines: Pipelines::default(),
             samplers,
-            scratch: None,
             chosen: BTreeMap::new(),
             made: 0,
             reused: 0,
@@ -120,118 +100,80 @@ impl Runner {
         &self.gpu
     }
 
-    /// The plan that runs.
-    #[must_use]
-    pub fn plan(&self) -> Option<&Arc<Plan>> {
-        self.plan.as_ref()
+    /// What was built since the last call.
+    pub fn take_building(&mut self) -> Building {
+        std::mem::take(&mut self.pipelines.building)
     }
 
-    /// Proves a plan and swaps it in: records it for its own view, builds every pipeline and every allocation
-    /// inside error scopes, and only then lets go of the plan before. What that one held of use is taken over.
+    /// Proves a plan for a view: records every pass, builds every pipeline and every allocation inside error scopes.
+    /// What `before` holds of use in this very view is shared, and stays as it is when a frame in this view is drawn.
     ///
     /// # Errors
-    /// What a node kind or the device refused; the plan before is then untouched.
-    pub fn install(&mut self, plan: Arc<Plan>) -> Result<(), GpuError> {
-        let view = plan.view();
+    /// What a node kind or the device refused; `before` is untouched in any case.
+    pub fn prepare(
+        &mut self,
+        plan: Arc<Plan>,
+        view: &View,
+        before: Option<&Installation>,
+    ) -> Result<Installation, GpuError> {
+        for &id in &plan.order {
+            let node = &plan.graph.nodes[id];
+            let Some(program) = &node.program else {
+                continue;
+            };
+            for variant in self.variants_to_prove(&plan, id) {
+                for pass in plan.record(id, view, variant)? {
+                    self.pipelines.get(&self.gpu, &node.name, program, &pass)?;
+                }
+            }
+        }
+        let wishes = installation::wishes(&plan, view);
+        let there: &[_] = before.map_or(&[], |before| &before.held);
+        let offers: Vec<_> = there
+            .iter()
+            .map(|held| (held.resource, held.is_storage, held.content.clone()))
+            .collect();
+        let bytes = before.map_or(0, Installation::bytes);
+        let mut held = Vec::new();
+        for (wish, at) in wishes.iter().zip(shared(&offers, &wishes)) {
+            held.push(match at {
+                Some(at) => {
+                    self.reused += 1;
+                    there[at].clone()
+                }
+                None => {
+                    let what = format!("allocating {:?}", wish.resource);
+                    self.made += 1;
+                    self.gpu.scoped(&what, bytes, || {
+                        make(&self.gpu.device, wish.resource, wish.is_storage)
+                    })?
+                }
+            });
+        }
+        let scratch = before.and_then(|before| before.scratch.clone());
+        Ok(Installation {
+            plan,
+            held,
+            scratch,
+        })
+    }
+
+    /// Lets go of every pipeline and shader module that this installation does not use.
+    pub fn keep(&mut self, installation: &Installation) {
+        let plan = &installation.plan;
+        let mut used = Vec::new();
         for &id in &plan.order {
             let Some(program) = &plan.graph.nodes[id].program else {
                 continue;
             };
-            for variant in self.variants_to_prove(&plan, id) {
-                for pass in plan.record(id, &view, variant)? {
-                    self.pipelines.get(&self.gpu, program, &pass)?;
+            for variant in self.variants_to_prove(plan, id) {
+                // It has been recorded in this view before.
+                for pass in plan.record(id, &plan.view(), variant).into_iter().flatten() {
+                    used.extend(crate::pipelines::key(program, &pass));
                 }
             }
         }
-        let wishes = wishes(&plan, &view);
-        let there: Vec<_> = self
-            .held
-            .iter()
-            .map(|held| (held.resource, held.is_storage, held.content.clone()))
-            .collect();
-        let matched = match_wishes(&there, &wishes);
-        let bytes = self.memory().bytes;
-        let mut fresh = Vec::new();
-        for (wish, at) in wishes.iter().zip(&matched) {
-            fresh.push(match at {
-                Some(_) => None,
-                None => {
-                    let what = format!("allocating {:?}", wish.resource);
-                    Some(self.gpu.scoped(&what, bytes, || {
-                        make(&self.gpu.device, wish.resource, wish.is_storage)
-                    })?)
-                }
-            });
-        }
-        // From here on nothing can fail.
-        let mut old: Vec<Option<Held>> = self.held.drain(..).map(Some).collect();
-        for (fresh, at) in fresh.into_iter().zip(matched) {
-            match (fresh, at.and_then(|at| old[at].take())) {
-                (Some(held), _) => {
-                    self.made += 1;
-                    self.held.push(held);
-                }
-                (None, Some(held)) => {
-                    self.reused += 1;
-                    self.held.push(held);
-                }
-                // A wish is met by exactly one of the two.
-                (None, None) => {}
-            }
-        }
-        self.plan = Some(plan);
-        Ok(())
-    }
-
-    /// Counts and bytes on the device.
-    #[must_use]
-    pub fn memory(&self) -> PoolReport {
-        let textures = self
-            .held
-            .iter()
-            .filter(|held| held.texture().is_some())
-            .count();
-        let scratch = self
-            .scratch
-            .as_ref()
-            .map(|texture| u64::from(texture.width()) * u64::from(texture.height()));
-        PoolReport {
-            textures: textures + usize::from(scratch.is_some()),
-            buffers: self.held.len() - textures,
-            bytes: self
-                .held
-                .iter()
-                .map(|held| held.resource.bytes())
-                .sum::<u64>()
-                + scratch.unwrap_or(0),
-            made: self.made,
-            reused: self.reused,
-        }
-    }
-
-    /// Copies an output of the last frame to the host.
-    ///
-    /// # Errors
-    /// [`GpuError::Output`] where there is no such output, and what the device refused.
-    pub fn read(&self, output: &str) -> Result<Texels, GpuError> {
-        let no_output = |reason: String| GpuError::Output {
-            name: output.to_owned(),
-            reason,
-        };
-        let Some(plan) = &self.plan else {
-            return Err(no_output("no plan is installed".to_owned()));
-        };
-        let Some(link) = plan.graph.outputs.get(output) else {
-            let known: Vec<&str> = plan.graph.outputs.keys().map(String::as_str).collect();
-            return Err(no_output(format!(
-                "the graph has no such output; it has {}",
-                known.join(", ")
-            )));
-        };
-        let Some(at) = plan.allocation_of.get(&(link.node, link.port.clone())) else {
-            return Err(no_output("it is a source, not a picture".to_owned()));
-        };
-        read_texture(&self.gpu, &self.held[*at], output)
+        self.pipelines.retain(&used);
     }
 
     /// `[None]` for a node with one way to run; the chosen variant, or all of them before one is chosen.
@@ -240,41 +182,22 @@ impl Runner {
         if variants.is_empty() {
             return vec![None];
         }
-        match self.chosen_variant(plan, id) {
-            Some((chosen, _)) if variants.contains(chosen) => vec![Some(*chosen)],
+        match self.chosen.get(&variant_key(plan, id)) {
+            Some(chosen) if variants.contains(&chosen.variant) => vec![Some(chosen.variant)],
             _ => variants.into_iter().map(Some).collect(),
         }
     }
-
-    fn chosen_variant(
-        &self,
-        plan: &Plan,
-        id: NodeId,
-    ) -> Option<&(&'static str, BTreeMap<&'static str, f64>)> {
-        let program = plan.graph.nodes[id].program.as_ref()?;
-        self.chosen.get(&program.module.linked.digest)
-    }
 }
 
-fn wishes(plan: &Plan, view: &View) -> Vec<Wish> {
-    let fingerprints = plan.fingerprints(view);
-    let mut wishes: Vec<Wish> = plan
-        .allocations
+/// What a choice among variants depends on: the shaders' names, not their texts. A text that is being edited need not
+/// be measured anew each time.
+fn variant_key(plan: &Plan, id: NodeId) -> String {
+    let node = &plan.graph.nodes[id];
+    let choices: BTreeMap<&str, &str> = node
+        .slots
         .iter()
-        .map(|allocation| Wish {
-            resource: allocation.resource,
-            is_storage: false,
-            contents: BTreeSet::new(),
-        })
+        .map(|(slot, choice)| (slot.as_str(), choice.choice.as_str()))
         .collect();
-    for ((id, port), allocation) in &plan.allocation_of {
-        let wish = &mut wishes[*allocation];
-        let binding = format!("{port}_out");
-        wish.is_storage |= plan.graph.nodes[*id]
-            .program
-            .as_ref()
-            .is_some_and(|program| program.uses(&binding));
-        wish.contents.insert((fingerprints[id], port.clone()));
-    }
-    wishes
+    let spec = node.program.as_ref().map(|program| &program.spec);
+    format!("{} {choices:?} {spec:?}", node.kind_name())
 }

@@ -21,7 +21,7 @@ use crate::node_context::NodeContext;
 use crate::registry::Registry;
 use crate::resolve::default_slots;
 
-pub use library::ShaderLibrary;
+pub use library::{ShaderLibrary, ShaderTimes};
 
 /// Links every node's shader, adds the nodes that used bindings call for and drops edges that no binding uses.
 ///

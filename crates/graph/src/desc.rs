@@ -31,6 +31,23 @@ pub struct SourceDesc {
     pub place: Place,
 }
 
+impl SourceDesc {
+    /// Whether both ask for the same, wherever it is written.
+    #[must_use]
+    pub fn asks_the_same(&self, other: &Self) -> bool {
+        let values = |desc: &Self| -> Vec<(String, ParamValue)> {
+            let mut values: Vec<_> = desc
+                .params
+                .iter()
+                .map(|(name, param)| (name.clone(), param.value.clone()))
+                .collect();
+            values.sort_by(|a, b| a.0.cmp(&b.0));
+            values
+        };
+        self.kind == other.kind && values(self) == values(other)
+    }
+}
+
 /// A node.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NodeDesc {

@@ -18,15 +18,30 @@ pub fn load(
     folders: &Folders,
     progress: &(dyn Fn(&str, u64, u64) + Sync),
 ) -> (IndexMap<String, Arc<dyn Source>>, Findings) {
+    reload(desc, registry, folders, &|_, _| None, progress)
+}
+
+/// As [`load`], except that the sources which `loaded` gives are taken as they are.
+pub fn reload(
+    desc: &GraphDesc,
+    registry: &Registry,
+    folders: &Folders,
+    loaded: &dyn Fn(&str, &SourceDesc) -> Option<Arc<dyn Source>>,
+    progress: &(dyn Fn(&str, u64, u64) + Sync),
+) -> (IndexMap<String, Arc<dyn Source>>, Findings) {
     let mut findings = Findings::new();
-    let mut loaded = IndexMap::new();
+    let mut sources = IndexMap::new();
     for (name, source) in &desc.sources {
+        if let Some(there) = loaded(name, source) {
+            sources.insert(name.clone(), there);
+            continue;
+        }
         let report = |done, total| progress(name, done, total);
         if let Some(source) = findings.take_all(load_one(source, registry, folders, &report)) {
-            loaded.insert(name.clone(), source);
+            sources.insert(name.clone(), source);
         }
     }
-    (loaded, findings)
+    (sources, findings)
 }
 
 /// Loads one source.

@@ -18,6 +18,7 @@ pub mod params;
 mod reflect;
 mod roots;
 mod scan;
+mod snapshot;
 mod statements;
 mod token;
 mod uniform;
@@ -32,4 +33,5 @@ pub use reflect::{
     Binding, BindingKind, EntryPoint, NEAREST_SAMPLER, OverrideSpec, TextureDim, TextureSample,
 };
 pub use roots::ShaderRoots;
+pub use snapshot::SnapshotFiles;
 pub use uniform::{UniformError, UniformValue, UniformWriter};

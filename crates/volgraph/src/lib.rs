@@ -15,15 +15,19 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod dependencies;
 pub mod metadata;
 mod overrides;
 mod scene;
 mod session;
 mod shaders;
 
+pub use dependencies::Dependencies;
 pub use overrides::{Overrides, ParamOverride};
 pub use scene::{NoProgress, Scene, SourceProgress};
-pub use session::{Session, SessionOptions};
+pub use session::{
+    Change, ChangeReport, ChangedFile, Drawn, Outcome, Refused, Session, SessionOptions, Stages,
+};
 pub use shaders::{EMBEDDED_SHADERS, ShaderFolders};
 pub use volgraph_gpu::{AdapterChoice, AdapterSummary, FrameReport, list_adapters};
 pub use volgraph_graph::{Camera, CameraDesc, GraphDesc, Limits, Plan, Registry, View};

@@ -94,7 +94,14 @@ impl ParamOverride {
         }
     }
 
-    fn place(&self) -> Place {
+    /// Whether both set the same thing.
+    pub(crate) fn sets_the_same(&self, other: &Self) -> bool {
+        let thing = |set: &Self| (set.target.clone(), set.is_slot, set.name.clone());
+        thing(self) == thing(other)
+    }
+
+    /// Where it was typed.
+    pub(crate) fn place(&self) -> Place {
         Place::whole_file(format!("--set {}", self.typed))
     }
 }

@@ -1,5 +1,6 @@
 //! A graph and its sources, loaded: all that a plan is made of, without a GPU.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -8,9 +9,10 @@ use indexmap::IndexMap;
 use naga::valid::Capabilities;
 use volgraph_graph::demand::ShaderLibrary;
 use volgraph_graph::{
-    Folders, GraphDesc, Limits, Plan, PlanRequest, Registry, Source, read, sources,
+    Folders, GraphDesc, Limits, Plan, PlanRequest, Registry, Source, SourceDesc, read, sources,
 };
 use volgraph_report::{Finding, Findings, Place};
+use volgraph_shader::{ShaderFiles, ShaderRoots};
 
 use crate::overrides::Overrides;
 use crate::shaders::ShaderFolders;
@@ -62,26 +64,80 @@ impl Scene {
         registry: Registry,
         progress: &dyn SourceProgress,
     ) -> Result<Self, Findings> {
-        let text = read_text(path)?;
-        let mut desc = read::graph(path, &text)?;
-        overrides.apply(&mut desc)?;
-        let report = |source: &str, done: u64, total: u64| progress.progress(source, done, total);
-        let folders = Folders::new(folder_of(path), &overrides.data);
-        let (sources, mut findings) = sources::load(&desc, &registry, &folders, &report);
-        // Names can be looked up even where a source is broken: all findings at once.
-        if let Err(more) = volgraph_graph::resolve::resolve(&desc, &sources, &registry) {
-            findings.extend(more);
-        }
         let scene = Self {
             path: path.to_path_buf(),
-            text,
-            desc,
+            text: read_text(path)?,
+            desc: GraphDesc::default(),
             overrides: overrides.clone(),
-            sources,
+            sources: IndexMap::new(),
             registry,
             shader_folders: shader_folders.clone(),
         };
-        findings.into_result(scene)
+        scene.read(&|_, _| None, progress)
+    }
+
+    /// The graph with another text, and its sources: those that it now asks for differently or whose files are among
+    /// `changed` are read, the others are shared with this scene.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn reload(
+        &self,
+        text: String,
+        changed: &BTreeSet<PathBuf>,
+        overrides: &Overrides,
+        progress: &dyn SourceProgress,
+    ) -> Result<Self, Findings> {
+        let loaded = |name: &str, desc: &SourceDesc| {
+            let source = self.sources.get(name)?;
+            let is_same = self.desc.sources.get(name)?.asks_the_same(desc)
+                && !source.files().iter().any(|file| changed.contains(file));
+            is_same.then(|| Arc::clone(source))
+        };
+        let scene = Self {
+            path: self.path.clone(),
+            text,
+            desc: GraphDesc::default(),
+            overrides: overrides.clone(),
+            sources: IndexMap::new(),
+            registry: self.registry.clone(),
+            shader_folders: self.shader_folders.clone(),
+        };
+        scene.read(&loaded, progress)
+    }
+
+    /// The same graph, as it was read, with other overrides.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn with_overrides(
+        &self,
+        overrides: &Overrides,
+        progress: &dyn SourceProgress,
+    ) -> Result<Self, Findings> {
+        self.reload(self.text.clone(), &BTreeSet::new(), overrides, progress)
+    }
+
+    /// From the text to the graph and its sources.
+    fn read(
+        mut self,
+        loaded: &dyn Fn(&str, &SourceDesc) -> Option<Arc<dyn Source>>,
+        progress: &dyn SourceProgress,
+    ) -> Result<Self, Findings> {
+        self.desc = read::graph(&self.path, &self.text)?;
+        self.overrides.apply(&mut self.desc)?;
+        let report = |source: &str, done: u64, total: u64| progress.progress(source, done, total);
+        let folders = Folders::new(folder_of(&self.path), &self.overrides.data);
+        let (sources, mut findings) =
+            sources::reload(&self.desc, &self.registry, &folders, loaded, &report);
+        self.sources = sources;
+        // Names can be looked up even where a source is broken: all findings at once.
+        if let Err(more) =
+            volgraph_graph::resolve::resolve(&self.desc, &self.sources, &self.registry)
+        {
+            findings.extend(more);
+        }
+        findings.into_result(self)
     }
 
     /// The shaders, for a device with these capabilities.
@@ -93,6 +149,13 @@ impl Scene {
             capabilities,
             Some(base),
         )
+    }
+
+    /// Where its shaders are looked for, with the files from this store.
+    #[must_use]
+    pub fn shader_roots(&self, files: Arc<dyn ShaderFiles>) -> ShaderRoots {
+        let base = folder_of(&self.path);
+        self.shader_folders.roots_in(files, Some(&base))
     }
 
     /// Decides everything for a device with these limits and a picture of this size. `with_layers` asks for the
@@ -157,7 +220,7 @@ impl Scene {
 }
 
 /// Reads a text file of at most 4 MiB.
-fn read_text(path: &Path) -> Result<String, Findings> {
+pub(crate) fn read_text(path: &Path) -> Result<String, Findings> {
     let unreadable = |error: std::io::Error| {
         Finding::error("io", format!("the graph cannot be read: {error}"))
             .at(Place::whole_file(path))

@@ -1,15 +1,29 @@
-//! A session: one graph on one device, rendered as often as wanted.
+//! A session: one graph on one device, rendered as often as wanted, and changed while it lives.
+//!
+//! [`Session::open`] loads a graph and proves it; [`Session::render`] draws. [`Session::apply`] takes a [`Change`]: a
+//! new state is made beside the one that works and drawn once, and only then does it take its place ([`apply`]). A
+//! device that is lost is opened again, and what worked is installed on it. [`Session::dependencies`] are the files
+//! to watch.
+
+mod apply;
+mod change;
 
 use std::path::Path;
 use std::sync::Arc;
 
-use volgraph_gpu::{AdapterChoice, AdapterSummary, FrameReport, Gpu, Runner, Texels};
+use volgraph_gpu::{
+    AdapterChoice, AdapterSummary, FrameReport, Gpu, GpuError, Installation, Runner, Texels,
+};
 use volgraph_graph::demand::ShaderLibrary;
 use volgraph_graph::{Camera, CameraDesc, Plan, Registry, View};
 use volgraph_nodes::raycast::NO_DEPTH;
 use volgraph_picture::Picture;
 use volgraph_report::{Finding, Findings};
+use volgraph_shader::SnapshotFiles;
 
+pub use change::{Change, ChangeReport, ChangedFile, Drawn, Outcome, Refused, Stages};
+
+use crate::dependencies::Dependencies;
 use crate::metadata;
 use crate::overrides::Overrides;
 use crate::scene::{NoProgress, Scene, SourceProgress};
@@ -44,12 +58,56 @@ impl Default for SessionOptions {
 
 /// A graph on a device.
 pub struct Session {
+    options: SessionOptions,
+    runner: Runner,
+    state: State,
+    /// All overrides that are wanted, those included for which there is no parameter at the moment.
+    wanted: Overrides,
+    /// What the last attempt read.
+    dependencies: Dependencies,
+    /// Why the last change was refused.
+    refused: Option<Findings>,
+    /// Why the device was made again, until it is told.
+    remade: Option<String>,
+}
+
+/// Everything that makes a picture.
+struct State {
     scene: Scene,
     shaders: ShaderLibrary,
-    runner: Runner,
-    plan: Arc<Plan>,
+    /// The shaders' files as they were when it was made.
+    snapshot: SnapshotFiles,
+    installation: Installation,
+    stance: Stance,
     view: View,
-    with_layers: bool,
+}
+
+/// Where the camera stands.
+#[derive(Clone, Debug, PartialEq)]
+enum Stance {
+    /// Where the graph says.
+    Graph,
+    /// As described; what is open is fitted to the volumes.
+    Fitted(CameraDesc),
+    /// Exactly there.
+    Exact(Camera),
+}
+
+impl Stance {
+    fn view(&self, plan: &Plan) -> View {
+        let view = plan.view();
+        match self {
+            Self::Graph => view,
+            Self::Fitted(camera) => View {
+                camera: plan.fit(camera),
+                ..view
+            },
+            Self::Exact(camera) => View {
+                camera: *camera,
+                ..view
+            },
+        }
+    }
 }
 
 impl Session {
@@ -93,32 +151,40 @@ impl Session {
     /// As [`Self::open`].
     pub fn start(scene: Scene, gpu: Arc<Gpu>, options: &SessionOptions) -> Result<Self, Findings> {
         scene.check_color_output()?;
-        let shaders = scene.shader_library(gpu.capabilities());
-        let plan =
-            Arc::new(scene.plan(&shaders, &gpu.limits(), options.size, options.with_layers)?);
-        let view = plan.view();
+        let (shaders, snapshot) = apply::library(&scene, &gpu);
+        let plan = scene.plan(&shaders, &gpu.limits(), options.size, options.with_layers)?;
+        let stance = Stance::Graph;
+        let view = stance.view(&plan);
         let mut runner = Runner::new(gpu);
-        runner.install(Arc::clone(&plan))?;
+        let installation = runner.prepare(Arc::new(plan), &view, None)?;
         Ok(Self {
-            scene,
-            shaders,
+            options: options.clone(),
             runner,
-            plan,
-            view,
-            with_layers: options.with_layers,
+            wanted: scene.overrides.clone(),
+            dependencies: Dependencies::of(&scene, &snapshot),
+            state: State {
+                scene,
+                shaders,
+                snapshot,
+                installation,
+                stance,
+                view,
+            },
+            refused: None,
+            remade: None,
         })
     }
 
     /// The scene.
     #[must_use]
     pub fn scene(&self) -> &Scene {
-        &self.scene
+        &self.state.scene
     }
 
     /// The plan that runs.
     #[must_use]
     pub fn plan(&self) -> &Plan {
-        &self.plan
+        self.state.installation.plan()
     }
 
     /// The adapter that it runs on.
@@ -130,55 +196,99 @@ impl Session {
     /// The current view.
     #[must_use]
     pub fn view(&self) -> &View {
-        &self.view
+        &self.state.view
+    }
+
+    /// The files that the picture depends on, as the last attempt to draw it used them: after a change that was
+    /// refused, those of the refused state.
+    #[must_use]
+    pub fn dependencies(&self) -> &Dependencies {
+        &self.dependencies
     }
 
     /// Moves the camera; what stays open in `camera` is fitted to the volumes.
     pub fn set_camera(&mut self, camera: &CameraDesc) {
-        self.view.camera = self.plan.fit(camera);
+        self.stand(Stance::Fitted(camera.clone()));
     }
 
     /// Moves the camera to exactly there.
     pub fn place_camera(&mut self, camera: Camera) {
-        self.view.camera = camera;
+        self.stand(Stance::Exact(camera));
     }
 
-    /// Changes the size of the picture. The camera stays where it is.
-    ///
-    /// # Errors
-    /// Where the size is over the device's limits; the session is then as before.
-    pub fn set_size(&mut self, size: [u32; 2]) -> Result<(), Findings> {
-        let plan = self.scene.plan(
-            &self.shaders,
-            &self.runner.gpu().limits(),
-            size,
-            self.with_layers,
-        )?;
-        let plan = Arc::new(plan);
-        self.runner.install(Arc::clone(&plan))?;
-        self.view.size = size;
-        self.plan = plan;
-        Ok(())
+    fn stand(&mut self, stance: Stance) {
+        self.state.view = stance.view(self.state.installation.plan());
+        self.state.stance = stance;
     }
 
     /// Draws a frame without reading it back.
     ///
     /// # Errors
-    /// What a node or the device refused.
+    /// What a node or the device refused, and hazards that a shader ran into. A lost device is opened again first.
     pub fn draw(&mut self) -> Result<FrameReport, Findings> {
-        Ok(self.runner.frame(&self.view)?)
+        self.revive()?;
+        let state = &mut self.state;
+        match self.runner.frame(&mut state.installation, &state.view) {
+            Err(GpuError::Lost(_)) => {
+                self.revive()?;
+                let state = &mut self.state;
+                Ok(self.runner.frame(&mut state.installation, &state.view)?)
+            }
+            drawn => Ok(drawn?),
+        }
     }
 
     /// Draws the frame and reads the output `color` back, with depth and opacity where the session has them.
     ///
     /// # Errors
-    /// What a node or the device refused.
+    /// As [`Self::draw`].
     pub fn render(&mut self) -> Result<(Picture, FrameReport), Findings> {
         let report = self.draw()?;
-        let mut picture = self.read("color")?;
+        Ok((self.state.picture(&self.runner)?, report))
+    }
+
+    /// Why the device was lost and opened again since this was last asked, if it was.
+    pub fn take_device_remade(&mut self) -> Option<String> {
+        self.remade.take()
+    }
+
+    /// Destroys the device, as a crash of its driver would, to see what comes after: the next frame opens it again.
+    pub fn lose_device(&self) {
+        self.runner.gpu().destroy();
+    }
+
+    /// Opens the device again where it is lost, with what was drawn last.
+    fn revive(&mut self) -> Result<(), Findings> {
+        let Some(reason) = self.runner.gpu().lost() else {
+            return Ok(());
+        };
+        let gpu = Arc::new(Gpu::open(&self.options.adapter)?);
+        let mut runner = Runner::new(gpu);
+        let plan = Arc::clone(self.state.installation.plan());
+        let installation = runner.prepare(plan, &self.state.view, None)?;
+        self.runner = runner;
+        self.state.installation = installation;
+        self.remade = Some(reason);
+        Ok(())
+    }
+
+    /// Reads any 2D colour output of the last frame.
+    ///
+    /// # Errors
+    /// Where there is no such output, or it is no colour.
+    pub fn read(&self, output: &str) -> Result<Picture, Findings> {
+        self.state.read(&self.runner, output)
+    }
+}
+
+impl State {
+    /// The picture of the last frame.
+    fn picture(&self, runner: &Runner) -> Result<Picture, Findings> {
+        let plan = self.installation.plan();
+        let mut picture = self.read(runner, "color")?;
         let layer = |name: &str| -> Result<Option<Vec<f32>>, Findings> {
-            if self.plan.graph.outputs.contains_key(name) {
-                Ok(Some(self.runner.read(name)?.to_f32()))
+            if plan.graph.outputs.contains_key(name) {
+                Ok(Some(runner.read(&self.installation, name)?.to_f32()))
             } else {
                 Ok(None)
             }
@@ -190,16 +300,12 @@ impl Session {
                 *depth = f32::INFINITY;
             }
         }
-        picture.metadata = metadata::of(&self.scene, &self.plan, &self.view, self.adapter());
-        Ok((picture, report))
+        picture.metadata = metadata::of(&self.scene, plan, &self.view, runner.gpu().adapter());
+        Ok(picture)
     }
 
-    /// Reads any 2D colour output of the last frame.
-    ///
-    /// # Errors
-    /// Where there is no such output, or it is no colour.
-    pub fn read(&self, output: &str) -> Result<Picture, Findings> {
-        let texels: Texels = self.runner.read(output)?;
+    fn read(&self, runner: &Runner, output: &str) -> Result<Picture, Findings> {
+        let texels: Texels = runner.read(&self.installation, output)?;
         let numbers = texels.to_f32();
         let [width, height, _] = texels.extent;
         let pixels = width as usize * height as usize;

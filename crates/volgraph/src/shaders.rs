@@ -1,9 +1,10 @@
 //! Where shaders are looked for.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use include_dir::{Dir, include_dir};
-use volgraph_shader::ShaderRoots;
+use volgraph_shader::{DiskFiles, ShaderFiles, ShaderRoots};
 
 /// volgraph's own shaders as they were when it was built.
 pub static EMBEDDED_SHADERS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../shaders");
@@ -20,7 +21,17 @@ impl ShaderFolders {
     /// lies beside it (so that its shaders are live as well), and last the embedded copy.
     #[must_use]
     pub fn roots(&self, graph_folder: Option<&Path>) -> ShaderRoots {
-        let mut roots = ShaderRoots::on_disk();
+        self.roots_in(Arc::new(DiskFiles), graph_folder)
+    }
+
+    /// The same, with the files from another store.
+    #[must_use]
+    pub fn roots_in(
+        &self,
+        files: Arc<dyn ShaderFiles>,
+        graph_folder: Option<&Path>,
+    ) -> ShaderRoots {
+        let mut roots = ShaderRoots::new(files);
         for folder in self.own.iter().map(PathBuf::as_path).chain(graph_folder) {
             roots = roots.root(folder);
         }

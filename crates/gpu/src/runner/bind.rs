@@ -4,15 +4,15 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use volgraph_graph::check::{BindingSource, SamplerKind, binding_source};
-use volgraph_graph::{NodeId, Pass, Plan, View};
+use volgraph_graph::{NodeId, Pass, View};
 use volgraph_shader::Binding;
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferDescriptor,
     BufferUsages,
 };
 
-use super::Runner;
 use super::frame::internal;
+use super::{Installation, Runner};
 use crate::error::GpuError;
 use crate::pipelines::Pipeline;
 
@@ -23,12 +23,13 @@ impl Runner {
     /// The pipeline of a pass and its bind groups.
     pub(super) fn bound(
         &mut self,
-        plan: &Plan,
+        installation: &Installation,
         id: NodeId,
         view: &View,
         variant: Option<&str>,
         pass: &Pass,
     ) -> Result<Bound, GpuError> {
+        let plan = installation.plan.as_ref();
         let node = &plan.graph.nodes[id];
         let program = node
             .program
@@ -36,7 +37,7 @@ impl Runner {
             .ok_or_else(|| internal(plan, id, "program"))?;
         let pipeline = self
             .pipelines
-            .get(&self.gpu, program, pass)?
+            .get(&self.gpu, &node.name, program, pass)?
             .ok_or_else(|| internal(plan, id, "pipeline"))?;
         let mut groups = Vec::new();
         for (group, (layout, bindings)) in &pipeline.groups {
@@ -49,14 +50,14 @@ impl Runner {
             }
             let mut entries = Vec::new();
             for binding in bindings {
-                let resource = self.resource(plan, id, binding, &uniforms)?;
+                let resource = self.resource(installation, id, binding, &uniforms)?;
                 entries.push(BindGroupEntry {
                     binding: binding.binding,
                     resource,
                 });
             }
             let what = format!("binding the resources of node `{}`", node.name);
-            let bind_group = self.gpu.scoped(&what, self.memory().bytes, || {
+            let bind_group = self.gpu.scoped(&what, installation.bytes(), || {
                 self.gpu.device.create_bind_group(&BindGroupDescriptor {
                     label: Some(&node.name),
                     layout,
@@ -70,7 +71,7 @@ impl Runner {
 
     fn resource<'a>(
         &'a self,
-        plan: &Plan,
+        installation: &'a Installation,
         id: NodeId,
         binding: &Binding,
         uniforms: &'a BTreeMap<u32, Buffer>,
@@ -78,6 +79,7 @@ impl Runner {
         if let Some(buffer) = uniforms.get(&binding.binding) {
             return Ok(buffer.as_entire_binding());
         }
+        let plan = installation.plan.as_ref();
         let held = match binding_source(&plan.graph.nodes[id], binding)? {
             BindingSource::Sampler(SamplerKind::Linear) => {
                 return Ok(BindingResource::Sampler(&self.samplers.linear));
@@ -88,8 +90,8 @@ impl Runner {
             BindingSource::Sampler(SamplerKind::Repeat) => {
                 return Ok(BindingResource::Sampler(&self.samplers.repeat));
             }
-            BindingSource::Input(port) => self.input(plan, id, &port)?,
-            BindingSource::Output(port) => self.output(plan, id, &port)?,
+            BindingSource::Input(port) => installation.input(id, &port)?,
+            BindingSource::Output(port) => installation.output(id, &port)?,
             _ => return Err(internal(plan, id, &binding.name)),
         };
         match (held.view(), held.buffer()) {

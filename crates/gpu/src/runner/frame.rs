@@ -1,6 +1,7 @@
 //! One frame: recording and submitting the passes of the nodes that must run.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::time::Instant;
 
 use volgraph_graph::{NodeId, Pass, Plan, View};
@@ -12,10 +13,9 @@ use wgpu::{
 };
 
 use super::schedule::must_run;
-use super::{FrameReport, NodeReport, Runner};
+use super::{Chosen, FrameReport, Installation, NodeReport, Runner, variant_key};
 use crate::error::GpuError;
 use crate::pipelines::{PipelineKind, SCRATCH_FORMAT};
-use crate::pool::Held;
 use crate::timing::Timer;
 
 /// The side of the view on which variants are measured.
@@ -32,15 +32,18 @@ impl Runner {
     ///
     /// # Errors
     /// What a node kind or the device refused; what the frame did not finish is then not remembered as done.
-    pub fn frame(&mut self, view: &View) -> Result<FrameReport, GpuError> {
-        let Some(plan) = self.plan.clone() else {
-            return Err(GpuError::Output {
-                name: "any".to_owned(),
-                reason: "no plan is installed".to_owned(),
-            });
-        };
+    pub fn frame(
+        &mut self,
+        installation: &mut Installation,
+        view: &View,
+    ) -> Result<FrameReport, GpuError> {
+        let plan = Arc::clone(&installation.plan);
         let fingerprints = plan.fingerprints(view);
-        let contents: Vec<_> = self.held.iter().map(|held| held.content.clone()).collect();
+        let contents: Vec<_> = installation
+            .held
+            .iter()
+            .map(|held| held.content.clone())
+            .collect();
         let running = must_run(&plan, &fingerprints, &contents);
         let mut recording = Recording {
             encoder: self.encoder(),
@@ -54,17 +57,17 @@ impl Runner {
                 .allocation_of
                 .range((id, String::new())..(id + 1, String::new()))
             {
-                self.held[*allocation].content = None;
+                installation.held[*allocation].content = None;
                 written.push((*allocation, (fingerprints[&id], port.clone())));
             }
-            let variant = self.variant(&plan, id, view, &mut recording)?;
+            let variant = self.variant(installation, id, view, &mut recording)?;
             if let Some(variant) = variant {
                 variants.insert(id, variant);
             }
             if let Some(timer) = &mut recording.timer {
                 timer.mark(&mut recording.encoder);
             }
-            self.node(&plan, id, view, variant, &mut recording)?;
+            self.node(installation, id, view, variant, &mut recording)?;
             if let Some(timer) = &mut recording.timer {
                 timer.mark(&mut recording.encoder);
             }
@@ -80,7 +83,7 @@ impl Runner {
             None => Vec::new(),
         };
         for (allocation, content) in written {
-            self.held[allocation].content = Some(content);
+            installation.held[allocation].content = Some(content);
         }
         let mut times = times.into_iter();
         let nodes = plan
@@ -91,8 +94,9 @@ impl Runner {
                 let node = &plan.graph.nodes[*id];
                 let ran = running.contains(id);
                 let measured = self
-                    .chosen_variant(&plan, *id)
-                    .map(|(_, measured)| measured);
+                    .chosen
+                    .get(&variant_key(&plan, *id))
+                    .map(|chosen| &chosen.measured);
                 NodeReport {
                     name: node.name.clone(),
                     kind: node.kind_name(),
@@ -112,7 +116,7 @@ impl Runner {
             });
         Ok(FrameReport {
             nodes: nodes.collect(),
-            memory: self.memory(),
+            memory: self.memory(installation),
             pipelines: self.pipelines.len(),
         })
     }
@@ -134,11 +138,12 @@ impl Runner {
     /// with the inputs that the frame has made so far.
     fn variant(
         &mut self,
-        plan: &Plan,
+        installation: &mut Installation,
         id: NodeId,
         view: &View,
         recording: &mut Recording,
     ) -> Result<Option<&'static str>, GpuError> {
+        let plan = Arc::clone(&installation.plan);
         let variants = plan.variants(id);
         let Some(&first) = variants.first() else {
             return Ok(None);
@@ -146,11 +151,13 @@ impl Runner {
         if variants.len() == 1 {
             return Ok(Some(first));
         }
-        if let Some((chosen, _)) = self
-            .chosen_variant(plan, id)
-            .filter(|(chosen, _)| variants.contains(chosen))
+        let key = variant_key(&plan, id);
+        if let Some(chosen) = self
+            .chosen
+            .get(&key)
+            .filter(|chosen| variants.contains(&chosen.variant))
         {
-            return Ok(Some(*chosen));
+            return Ok(Some(chosen.variant));
         }
         self.flush(recording);
         self.gpu.wait()?;
@@ -168,7 +175,7 @@ impl Runner {
                     timer: None,
                 };
                 let start = Instant::now();
-                self.node(plan, id, &small, Some(variant), &mut recording)?;
+                self.node(installation, id, &small, Some(variant), &mut recording)?;
                 self.gpu.queue.submit([recording.encoder.finish()]);
                 self.gpu.wait()?;
                 let elapsed = start.elapsed().as_secs_f64() * 1e3;
@@ -184,31 +191,34 @@ impl Runner {
             .iter()
             .min_by(|a, b| a.1.total_cmp(b.1))
             .map_or(first, |(variant, _)| *variant);
-        if let Some(program) = &plan.graph.nodes[id].program {
-            self.chosen
-                .insert(program.module.linked.digest, (fastest, times));
-        }
+        let chosen = Chosen {
+            variant: fastest,
+            measured: times,
+        };
+        self.chosen.insert(key, chosen);
         Ok(Some(fastest))
     }
 
     fn node(
         &mut self,
-        plan: &Plan,
+        installation: &mut Installation,
         id: NodeId,
         view: &View,
         variant: Option<&'static str>,
         recording: &mut Recording,
     ) -> Result<(), GpuError> {
+        let plan = Arc::clone(&installation.plan);
         let name = &plan.graph.nodes[id].name;
         for pass in plan.record(id, view, variant)? {
             match &pass {
                 Pass::Upload { port, bytes } => {
                     // Writes through the queue come before what is recorded but not submitted.
                     self.flush(recording);
-                    self.upload(self.output(plan, id, port)?, &bytes.make()?, name)?;
+                    let held = installation.output(id, port)?;
+                    self.upload(held, &bytes.make()?, name, installation.bytes())?;
                 }
                 Pass::Compute { workgroups, .. } => {
-                    let (pipeline, groups) = self.bound(plan, id, view, variant, &pass)?;
+                    let (pipeline, groups) = self.bound(installation, id, view, variant, &pass)?;
                     if let PipelineKind::Compute(compute) = &pipeline.kind {
                         let mut encoder = recording.encoder.begin_compute_pass(&Default::default());
                         encoder.set_pipeline(compute);
@@ -219,9 +229,9 @@ impl Runner {
                     }
                 }
                 Pass::Draw { mesh, .. } => {
-                    let (pipeline, groups) = self.bound(plan, id, view, variant, &pass)?;
-                    let scratch = self.scratch(view.size)?;
-                    let vertices = self.input(plan, id, mesh.port)?.buffer();
+                    let (pipeline, groups) = self.bound(installation, id, view, variant, &pass)?;
+                    let scratch = self.scratch(installation, view.size)?;
+                    let vertices = installation.input(id, mesh.port)?.buffer();
                     let attachment = RenderPassColorAttachment {
                         view: &scratch,
                         depth_slice: None,
@@ -252,17 +262,25 @@ impl Runner {
     }
 
     /// The target of draw passes, made anew when the view has another size.
-    fn scratch(&mut self, [width, height]: [u32; 2]) -> Result<TextureView, GpuError> {
+    fn scratch(
+        &self,
+        installation: &mut Installation,
+        [width, height]: [u32; 2],
+    ) -> Result<TextureView, GpuError> {
         let size = Extent3d {
             width,
             height,
             depth_or_array_layers: 1,
         };
-        let texture = match self.scratch.take().filter(|texture| texture.size() == size) {
+        let texture = match installation
+            .scratch
+            .clone()
+            .filter(|texture| texture.size() == size)
+        {
             Some(texture) => texture,
             None => self.gpu.scoped(
                 "making the target of draw passes",
-                self.memory().bytes,
+                installation.bytes(),
                 || {
                     self.gpu.device.create_texture(&TextureDescriptor {
                         label: Some("scratch"),
@@ -278,24 +296,8 @@ impl Runner {
             )?,
         };
         let view = texture.create_view(&Default::default());
-        self.scratch = Some(texture);
+        installation.scratch = Some(texture);
         Ok(view)
-    }
-
-    pub(super) fn output(&self, plan: &Plan, id: NodeId, port: &str) -> Result<&Held, GpuError> {
-        let at = plan
-            .allocation_of
-            .get(&(id, port.to_owned()))
-            .ok_or_else(|| internal(plan, id, port))?;
-        Ok(&self.held[*at])
-    }
-
-    pub(super) fn input(&self, plan: &Plan, id: NodeId, port: &str) -> Result<&Held, GpuError> {
-        let link = plan.graph.nodes[id]
-            .inputs
-            .get(port)
-            .ok_or_else(|| internal(plan, id, port))?;
-        self.output(plan, link.node, &link.port)
     }
 }
 

@@ -10,7 +10,13 @@ use crate::pool::Held;
 
 impl Runner {
     /// Fills a whole resource. Textures go slab by slab, so that the staging memory stays small.
-    pub(super) fn upload(&self, held: &Held, bytes: &[u8], node: &str) -> Result<(), GpuError> {
+    pub(super) fn upload(
+        &self,
+        held: &Held,
+        bytes: &[u8],
+        node: &str,
+        held_bytes: u64,
+    ) -> Result<(), GpuError> {
         const SLAB_BYTES: usize = 64 << 20;
         let expected = held.resource.bytes();
         if bytes.len() as u64 != expected {
@@ -27,7 +33,7 @@ impl Runner {
         match held.resource {
             ResourceKind::Buffer { .. } => {
                 if let Some(buffer) = held.buffer() {
-                    self.gpu.scoped(&what, self.memory().bytes, || {
+                    self.gpu.scoped(&what, held_bytes, || {
                         self.gpu.queue.write_buffer(buffer, 0, bytes);
                     })?;
                 }
@@ -43,7 +49,7 @@ impl Runner {
                 for (slab, bytes) in bytes.chunks(layer * layers_at_once).enumerate() {
                     let z = u32::try_from(slab * layers_at_once).unwrap_or(u32::MAX);
                     let depth = u32::try_from(bytes.len() / layer).unwrap_or(u32::MAX);
-                    self.gpu.scoped(&what, self.memory().bytes, || {
+                    self.gpu.scoped(&what, held_bytes, || {
                         self.gpu.queue.write_texture(
                             TexelCopyTextureInfo {
                                 texture,

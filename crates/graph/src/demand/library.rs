@@ -1,8 +1,9 @@
 //! Linked and checked shaders, kept while their text stays the same.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use naga::valid::Capabilities;
 use volgraph_report::Findings;
@@ -17,7 +18,21 @@ pub struct ShaderLibrary {
     capabilities: Capabilities,
     /// The graph's folder: slot choices that are paths start here.
     base: Option<PathBuf>,
-    linked: Mutex<BTreeMap<[u8; 32], Arc<Module>>>,
+    linked: Arc<Mutex<BTreeMap<[u8; 32], Arc<Module>>>>,
+    times: Mutex<ShaderTimes>,
+}
+
+/// How long linking and checking took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ShaderTimes {
+    /// Reading files and linking them.
+    pub link: Duration,
+    /// Parsing, validation and reflection.
+    pub validate: Duration,
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl ShaderLibrary {
@@ -28,7 +43,20 @@ impl ShaderLibrary {
             roots,
             capabilities,
             base,
-            linked: Mutex::default(),
+            linked: Arc::default(),
+            times: Mutex::default(),
+        }
+    }
+
+    /// A library over other roots that knows the modules of this one.
+    #[must_use]
+    pub fn with_roots(&self, roots: ShaderRoots) -> Self {
+        Self {
+            roots,
+            capabilities: self.capabilities,
+            base: self.base.clone(),
+            linked: Arc::clone(&self.linked),
+            times: Mutex::default(),
         }
     }
 
@@ -36,6 +64,28 @@ impl ShaderLibrary {
     #[must_use]
     pub fn roots(&self) -> &ShaderRoots {
         &self.roots
+    }
+
+    /// How long linking and checking took since the last call.
+    pub fn take_times(&self) -> ShaderTimes {
+        std::mem::take(&mut *locked(&self.times))
+    }
+
+    /// Lets go of all modules but those with these digests.
+    pub fn keep(&self, used: &BTreeSet<[u8; 32]>) {
+        locked(&self.linked).retain(|digest, _| used.contains(digest));
+    }
+
+    /// How many modules are kept.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        locked(&self.linked).len()
+    }
+
+    /// Whether none is kept.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
     }
 
     /// Links and checks a program. The text is linked anew each time, so that edits are seen; a text seen before
@@ -52,8 +102,11 @@ impl ShaderLibrary {
         request.slots = slots.clone();
         request.slots.extend(spec.fixed_slots.clone());
         request.base = self.base.clone();
-        let linked = link(&self.roots, &request)?;
-        let mut cache = self.linked.lock().unwrap_or_else(PoisonError::into_inner);
+        let start = Instant::now();
+        let linked = link(&self.roots, &request);
+        locked(&self.times).link += start.elapsed();
+        let linked = linked?;
+        let mut cache = locked(&self.linked);
         if let Some(module) = cache.get(&linked.digest) {
             // The same text may come from other files by now; places must name the current ones.
             if module
@@ -67,7 +120,10 @@ impl ShaderLibrary {
             }
         }
         let digest = linked.digest;
-        let module = Arc::new(check(linked, self.capabilities)?);
+        let start = Instant::now();
+        let module = check(linked, self.capabilities);
+        locked(&self.times).validate += start.elapsed();
+        let module = Arc::new(module?);
         cache.insert(digest, Arc::clone(&module));
         Ok(module)
     }

@@ -1,0 +1,47 @@
+//! What a frame did, as data.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::pool::PoolReport;
+
+/// What one frame did.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct FrameReport {
+    /// All nodes in their order.
+    pub nodes: Vec<NodeReport>,
+    /// Memory after the frame.
+    pub memory: PoolReport,
+    /// Pipelines held.
+    pub pipelines: usize,
+}
+
+/// What one node did in a frame.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NodeReport {
+    /// Its name.
+    pub name: String,
+    /// Its kind.
+    pub kind: String,
+    /// Whether it ran, or what it wrote last still held.
+    pub ran: bool,
+    /// The variant that ran, where it has several.
+    pub variant: Option<String>,
+    /// The variants' times on the small view that chose among them, milliseconds.
+    pub measured_ms: BTreeMap<String, f64>,
+    /// Its time on the device, milliseconds; `None` where it did not run or the device cannot tell.
+    pub gpu_ms: Option<f64>,
+}
+
+impl FrameReport {
+    /// The names of the nodes that ran.
+    #[must_use]
+    pub fn ran(&self) -> Vec<&str> {
+        self.nodes
+            .iter()
+            .filter(|node| node.ran)
+            .map(|node| node.name.as_str())
+            .collect()
+    }
+}

@@ -1,0 +1,363 @@
+//! Applying a change: link, validate, build inside error scopes, draw a frame, look at it, swap.
+//!
+//! A change becomes a whole [`State`] beside the one that works: a scene, a plan, an installation with memory of its
+//! own, a frame drawn and a picture read back. Only when all of that has succeeded does it take the place of the
+//! state before; else it is dropped, with its pipelines. Both ways end in the same clean-up, so that nothing stays
+//! of what is not in use.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+use volgraph_graph::demand::ShaderLibrary;
+use volgraph_graph::{NodeId, Plan};
+use volgraph_picture::Picture;
+use volgraph_report::{Finding, Findings, Place};
+use volgraph_shader::{DiskFiles, SnapshotFiles};
+
+use super::change::{Change, ChangeReport, ChangedFile, Drawn, Outcome, Refused, ms};
+use super::{Session, Stance, State};
+use crate::dependencies::Dependencies;
+use crate::overrides::{Overrides, ParamOverride};
+use crate::scene::{Scene, SourceProgress, read_text};
+
+/// What was tried: a new state with its picture, or `None` where it would be the old one.
+type Tried = Option<(State, Picture, Overrides)>;
+
+impl Session {
+    /// Applies a change and draws.
+    ///
+    /// # Errors
+    /// Everything wrong with it; the session is then as it was before.
+    pub fn apply(&mut self, change: &Change) -> Result<Outcome, Refused> {
+        self.apply_with(change, &crate::scene::NoProgress)
+    }
+
+    /// The same, with the progress of sources that are read.
+    ///
+    /// # Errors
+    /// As [`Self::apply`].
+    pub fn apply_with(
+        &mut self,
+        change: &Change,
+        progress: &dyn SourceProgress,
+    ) -> Result<Outcome, Refused> {
+        let mut report = ChangeReport::default();
+        let tried = self
+            .revive()
+            .and_then(|()| self.attempt(change, &mut report, progress));
+        let result = match tried {
+            Ok(None) => Ok(Outcome::Unchanged),
+            Ok(Some((state, picture, wanted))) => {
+                self.state = state;
+                self.wanted = wanted;
+                Ok(Outcome::Drawn(Box::new(Drawn { picture, report })))
+            }
+            Err(mut findings) => {
+                // The device may have gone with the change; what worked gets a new one at once.
+                if let Err(more) = self.revive() {
+                    findings.extend(more);
+                }
+                Err(findings)
+            }
+        };
+        self.clean_up();
+        let device_remade = self.remade.take();
+        match result {
+            Ok(mut outcome) => {
+                self.refused = None;
+                if let Outcome::Drawn(drawn) = &mut outcome {
+                    drawn.report.device_remade = device_remade;
+                }
+                Ok(outcome)
+            }
+            Err(findings) => {
+                let is_repeat = self.refused.as_ref() == Some(&findings);
+                self.refused = Some(findings.clone());
+                Err(Refused {
+                    findings,
+                    is_repeat,
+                    device_remade,
+                })
+            }
+        }
+    }
+
+    fn attempt(
+        &mut self,
+        change: &Change,
+        report: &mut ChangeReport,
+        progress: &dyn SourceProgress,
+    ) -> Result<Tried, Findings> {
+        let mut wanted = self.wanted.clone();
+        if let Change::Set(sets) = change {
+            set(&mut wanted.params, sets);
+        }
+        let mut clock = Clock::start();
+        let old = &self.state;
+        let snapshot = match change {
+            Change::Files(_) => SnapshotFiles::new(Arc::new(DiskFiles)),
+            _ => old.snapshot.clone(),
+        };
+        let scene = match change {
+            Change::Files(changed) => {
+                let text = read_text(&old.scene.path);
+                self.dependencies
+                    .note(&old.scene.path, text.as_deref().ok(), changed, &snapshot);
+                text.and_then(|text| old.scene.reload(text, changed, &wanted, progress))
+            }
+            Change::Set(_) => old.scene.with_overrides(&wanted, progress),
+            // The overrides that are set aside stay aside.
+            _ => old.scene.with_overrides(&old.scene.overrides, progress),
+        };
+        report.stages.read_ms = clock.lap();
+        let mut scene = scene?;
+        scene.check_color_output()?;
+        let shaders = old
+            .shaders
+            .with_roots(scene.shader_roots(Arc::new(snapshot.clone())));
+        let size = match change {
+            Change::Size(size) => *size,
+            _ => old.view.size,
+        };
+        let limits = self.runner.gpu().limits();
+        let with_layers = self.options.with_layers;
+        let mut plan = scene.plan(&shaders, &limits, size, with_layers);
+        if let Change::Files(_) = change {
+            let gone = plan
+                .as_ref()
+                .err()
+                .map(|findings| unknown(&scene, findings));
+            if let Some(gone) = gone.filter(|gone| !gone.is_empty()) {
+                let mut kept = scene.overrides.clone();
+                kept.params.retain(|set| !gone.contains(set));
+                scene = scene.with_overrides(&kept, progress)?;
+                plan = scene.plan(&shaders, &limits, size, with_layers);
+                report.set_aside = gone.into_iter().map(|set| set.typed).collect();
+            }
+        }
+        self.dependencies = Dependencies::of(&scene, &snapshot);
+        let times = shaders.take_times();
+        report.stages.link_ms = ms(times.link);
+        report.stages.validate_ms = ms(times.validate);
+        report.stages.plan_ms = clock.lap() - ms(times.link) - ms(times.validate);
+        let plan = Arc::new(plan?);
+
+        if let Change::Files(changed) = change {
+            report.changed = roles(changed, &old.scene, &scene);
+            if is_same(old, &scene, &plan) {
+                // What was looked at may have changed all the same: the watch set, say.
+                self.state.snapshot = snapshot;
+                self.state.shaders = shaders;
+                return Ok(None);
+            }
+        }
+        params(old.installation.plan(), &plan, report);
+        report.warnings = new_warnings(&old.scene, &scene);
+        let stance = match change {
+            Change::Camera(camera) => Stance::Fitted(camera.clone()),
+            _ => old.stance.clone(),
+        };
+        let view = stance.view(&plan);
+        self.runner.take_building();
+        let installation = self
+            .runner
+            .prepare(plan, &view, Some(&self.state.installation));
+        let building = self.runner.take_building();
+        report.stages.module_ms = ms(building.module_time);
+        report.stages.pipeline_ms = ms(building.pipeline_time);
+        report.stages.allocate_ms =
+            clock.lap() - ms(building.module_time) - ms(building.pipeline_time);
+        report.pipelines_built = building.pipelines;
+        let mut state = State {
+            scene,
+            shaders,
+            snapshot,
+            installation: installation?,
+            stance,
+            view,
+        };
+        report.frame = self.runner.frame(&mut state.installation, &state.view)?;
+        report.stages.draw_ms = clock.lap();
+        let picture = state.picture(&self.runner)?;
+        check_finite(&picture, &state)?;
+        report.stages.read_back_ms = clock.lap();
+        Ok(Some((state, picture, wanted)))
+    }
+
+    /// Lets go of pipelines and modules that the current state does not use.
+    fn clean_up(&mut self) {
+        self.runner.keep(&self.state.installation);
+        let used: BTreeSet<[u8; 32]> = self
+            .state
+            .installation
+            .plan()
+            .graph
+            .nodes
+            .iter()
+            .filter_map(|node| Some(node.program.as_ref()?.module.linked.digest))
+            .collect();
+        self.state.shaders.keep(&used);
+    }
+}
+
+/// Time between laps, in milliseconds.
+struct Clock(Instant);
+
+impl Clock {
+    fn start() -> Self {
+        Self(Instant::now())
+    }
+
+    fn lap(&mut self) -> f64 {
+        let now = Instant::now();
+        let lap = ms(now - self.0);
+        self.0 = now;
+        lap
+    }
+}
+
+/// Sets values over those that were set before for the same names.
+fn set(params: &mut Vec<ParamOverride>, sets: &[ParamOverride]) {
+    for set in sets {
+        params.retain(|before| !before.sets_the_same(set));
+        params.push(set.clone());
+    }
+}
+
+/// The overrides that these findings call unknown.
+fn unknown(scene: &Scene, findings: &Findings) -> Vec<ParamOverride> {
+    let is_unknown = |set: &&ParamOverride| {
+        findings.into_iter().any(|finding| {
+            finding.code == "unknown-param" && finding.place.as_ref() == Some(&set.place())
+        })
+    };
+    let params = scene.overrides.params.iter();
+    params.filter(is_unknown).cloned().collect()
+}
+
+/// Whether the picture and its metadata would be the same.
+fn is_same(old: &State, scene: &Scene, plan: &Plan) -> bool {
+    let contents = |scene: &Scene| -> Vec<_> {
+        let sources = scene.sources.iter();
+        sources
+            .map(|(name, source)| (name.clone(), source.digest()))
+            .collect()
+    };
+    let programs = |plan: &Plan| -> Vec<_> {
+        let nodes = plan.graph.nodes.iter();
+        nodes
+            .map(|node| {
+                let linked = node.program.as_ref().map(|program| &program.module.linked);
+                (
+                    node.name.clone(),
+                    linked.map(|linked| (linked.digest, linked.slots_used.clone())),
+                )
+            })
+            .collect()
+    };
+    old.scene.text == scene.text
+        && old.scene.overrides == scene.overrides
+        && contents(&old.scene) == contents(scene)
+        && programs(old.installation.plan()) == programs(plan)
+}
+
+/// What each changed file is to the picture.
+fn roles(changed: &BTreeSet<PathBuf>, old: &Scene, new: &Scene) -> Vec<ChangedFile> {
+    let source_of = |path: &Path| {
+        let mut sources = new.sources.iter().chain(&old.sources);
+        sources
+            .find(|(_, source)| source.files().iter().any(|file| file == path))
+            .map(|(name, _)| name.clone())
+    };
+    let role = |path: &PathBuf| match source_of(path) {
+        _ if *path == new.path => "graph".to_owned(),
+        Some(source) => format!("source {source}"),
+        None => "shader".to_owned(),
+    };
+    changed
+        .iter()
+        .map(|path| ChangedFile {
+            path: path.clone(),
+            role: role(path),
+        })
+        .collect()
+}
+
+/// What was added to and dropped from the parameters of nodes that both plans have.
+fn params(old: &Plan, new: &Plan, report: &mut ChangeReport) {
+    let lacks = |plan: &Plan, node: &str, name: &str| {
+        let found = plan.graph.nodes.iter().find(|other| other.name == node);
+        found.is_some_and(|node| node.specs().iter().all(|spec| spec.name != name))
+    };
+    let missing = |from: &Plan, other: &Plan| {
+        let mut missing = Vec::new();
+        for node in &from.graph.nodes {
+            for (name, value) in &node.params {
+                if lacks(other, &node.name, name) {
+                    missing.push(format!("{}.{name} = {value}", node.name));
+                }
+            }
+        }
+        missing
+    };
+    report.params_added = missing(new, old);
+    report.params_dropped = missing(old, new);
+}
+
+fn new_warnings(old: &Scene, new: &Scene) -> Vec<String> {
+    let before = old.warnings();
+    let now = new.warnings().into_iter();
+    now.filter(|warning| !before.contains(warning))
+        .map(|(source, warning)| format!("source {source}: {warning}"))
+        .collect()
+}
+
+/// A colour that is no finite number would go on into everything that is made of the picture.
+fn check_finite(picture: &Picture, state: &State) -> Result<(), Findings> {
+    let mut bad = picture
+        .color
+        .iter()
+        .enumerate()
+        .filter(|(_, color)| !color.iter().all(|c| c.is_finite()));
+    let Some((first, color)) = bad.next() else {
+        return Ok(());
+    };
+    let what = if color.iter().any(|c| c.is_nan()) {
+        "not a number"
+    } else {
+        "infinite"
+    };
+    let width = picture.width as usize;
+    let finding = Finding::error(
+        "not-finite",
+        format!(
+            "the colour of {} of {} pixels is not finite; the first, at {}, {}, is {what}",
+            bad.count() + 1,
+            picture.color.len(),
+            first % width,
+            first / width
+        ),
+    )
+    .help("does the shader divide by zero, take the root or the logarithm of a negative number, or normalise a zero vector?");
+    let plan = state.installation.plan();
+    let writer: Option<NodeId> = plan.graph.outputs.get("color").map(|link| link.node);
+    let place = writer.and_then(|id| {
+        let linked = &plan.graph.nodes[id].program.as_ref()?.module.linked;
+        let technique = linked.slots_used.get("technique");
+        technique.or_else(|| linked.files.last().map(|file| &file.path))
+    });
+    Err(match place {
+        Some(file) => finding.at(Place::whole_file(file)).into(),
+        None => finding.into(),
+    })
+}
+
+/// A library over the files as they are now.
+pub(super) fn library(scene: &Scene, gpu: &volgraph_gpu::Gpu) -> (ShaderLibrary, SnapshotFiles) {
+    let snapshot = SnapshotFiles::new(Arc::new(DiskFiles));
+    let shaders = scene.shader_library(gpu.capabilities());
+    let roots = scene.shader_roots(Arc::new(snapshot.clone()));
+    (shaders.with_roots(roots), snapshot)
+}
