@@ -1,10 +1,10 @@
 //! What a graph draws: the traits of loaded sources and of the kinds that load them.
 
 use std::any::Any;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
 use volgraph_report::Findings;
@@ -43,29 +43,47 @@ pub trait Source: Send + Sync + fmt::Debug {
 /// Reports how much of a long read is done: (bytes so far, bytes in all or 0 where unknown).
 pub type Progress<'p> = &'p (dyn Fn(u64, u64) + Sync);
 
-/// Where the files of sources are looked for: the graph's own folder first, then folders of data.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Folders(Vec<PathBuf>);
+/// Where the files of sources are looked for: the graph's own folder first, then folders of data. Every path that was
+/// asked for is remembered, so that a watcher knows what would have served.
+#[derive(Clone, Debug, Default)]
+pub struct Folders {
+    folders: Vec<PathBuf>,
+    asked: Arc<Mutex<BTreeSet<PathBuf>>>,
+}
 
 impl Folders {
     /// The graph's folder, then the others in their order.
     #[must_use]
     pub fn new(graph: impl Into<PathBuf>, data: &[PathBuf]) -> Self {
-        Self(
-            std::iter::once(graph.into())
+        Self {
+            folders: std::iter::once(graph.into())
                 .chain(data.iter().cloned())
                 .collect(),
-        )
+            asked: Arc::default(),
+        }
     }
 
     /// The first folder's file that is there; where none is, the one in the graph's folder.
     #[must_use]
     pub fn find(&self, path: &str) -> PathBuf {
-        let in_folders = || self.0.iter().map(|folder| folder.join(path));
-        in_folders()
-            .find(|file| file.exists())
-            .or_else(|| in_folders().next())
-            .unwrap_or_else(|| path.into())
+        let mut asked = self.asked.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut first = None;
+        for folder in &self.folders {
+            let file = folder.join(path);
+            asked.insert(file.clone());
+            if file.exists() {
+                return file;
+            }
+            first = first.or(Some(file));
+        }
+        first.unwrap_or_else(|| path.into())
+    }
+
+    /// The files that were asked for, those before the one that was found included.
+    #[must_use]
+    pub fn asked(&self) -> BTreeSet<PathBuf> {
+        let asked = self.asked.lock();
+        asked.unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
 

@@ -73,12 +73,12 @@ pub(crate) fn check_ratio(decoded_bytes: u64, file_len: u64) -> Result<(), Strin
     }
 }
 
-/// Writes under another name in the same folder, then renames.
-pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+/// Writes under another name in the same folder, then renames; `is_synced` waits for the disk before.
+pub(crate) fn write_whole(path: &Path, bytes: &[u8], is_synced: bool) -> io::Result<()> {
     let (temporary, mut file) = create_beside(path)?;
     let written = file
         .write_all(bytes)
-        .and_then(|()| file.sync_all())
+        .and_then(|()| if is_synced { file.sync_all() } else { Ok(()) })
         .and_then(|()| fs::rename(&temporary, path));
     if written.is_err() {
         // The first error is the one to tell; a leftover that cannot be removed either has the same cause.

@@ -64,6 +64,9 @@ pub enum PngBits {
 pub struct SaveOptions {
     /// Bits of each PNG component; EXR is always f32.
     pub png_bits: PngBits,
+    /// The picture will soon be replaced: it is compressed lightly, and nobody waits until the disk has it. It still
+    /// appears as a whole.
+    pub is_live: bool,
 }
 
 impl SaveOptions {
@@ -71,6 +74,13 @@ impl SaveOptions {
     #[must_use]
     pub fn with_png_bits(mut self, bits: PngBits) -> Self {
         self.png_bits = bits;
+        self
+    }
+
+    /// The same for a picture that will soon be replaced.
+    #[must_use]
+    pub fn live(mut self) -> Self {
+        self.is_live = true;
         self
     }
 }
@@ -164,14 +174,14 @@ impl Picture {
         let format = files::format_of(path)?;
         self.check()?;
         let (bytes, report) = match format {
-            Format::Png => png_file::encode(self, options.png_bits),
+            Format::Png => png_file::encode(self, options),
             Format::Exr => exr_file::encode(self),
         }
         .map_err(|cause| PictureError::Encode {
             path: path.to_path_buf(),
             cause,
         })?;
-        files::write_whole(path, &bytes).map_err(|source| PictureError::Io {
+        files::write_whole(path, &bytes, !options.is_live).map_err(|source| PictureError::Io {
             path: path.to_path_buf(),
             source,
         })?;

@@ -7,11 +7,14 @@
 
 use std::io::{BufRead, Seek};
 
-use png::{BitDepth, ColorType, Decoder, Encoder, Limits, SrgbRenderingIntent, Transformations};
+use png::{
+    BitDepth, ColorType, Compression, Decoder, Encoder, Limits, SrgbRenderingIntent,
+    Transformations,
+};
 
 use crate::files::check_ratio;
-use crate::srgb::{linear_from_srgb, srgb_from_linear};
-use crate::{KEY_PREFIX, Picture, PngBits, SaveReport, check_size};
+use crate::srgb::{code_from_linear, linear_from_srgb, srgb_from_linear};
+use crate::{KEY_PREFIX, Picture, PngBits, SaveOptions, SaveReport, check_size};
 
 /// Alphas this near to 1 are opaque: f32 compositing does not end at 1 exactly.
 const OPAQUE: f32 = 1.0 - 1e-6;
@@ -22,25 +25,35 @@ const SLACK: f64 = 1e-5;
 /// Most memory that text chunks and a row may take while decoding.
 const MAX_DECODER_BYTES: usize = 64 << 20;
 
-pub(crate) fn encode(picture: &Picture, bits: PngBits) -> Result<(Vec<u8>, SaveReport), String> {
+pub(crate) fn encode(
+    picture: &Picture,
+    options: SaveOptions,
+) -> Result<(Vec<u8>, SaveReport), String> {
+    let bits = options.png_bits;
     let is_opaque = picture.color.iter().all(|color| color[3] >= OPAQUE);
     let channels = if is_opaque { 3 } else { 4 };
     let mut data = Vec::with_capacity(picture.color.len() * channels * 2);
     let mut report = SaveReport::default();
     for &color in &picture.color {
-        let (encoded, pixel) = encode_pixel(color, is_opaque);
+        let (linear, alpha, pixel) = straight(color, is_opaque);
         report.nan_pixels += u64::from(pixel.has_nan);
         report.clipped_pixels += u64::from(pixel.is_clipped);
-        for &component in &encoded[..channels] {
-            match bits {
-                PngBits::Eight => data.push((component * 255.0).round() as u8),
-                PngBits::Sixteen => {
+        match bits {
+            PngBits::Eight => {
+                data.extend(linear.map(code_from_linear));
+                if !is_opaque {
+                    data.push((alpha * 255.0).round() as u8);
+                }
+            }
+            PngBits::Sixteen => {
+                let [r, g, b] = linear.map(srgb_from_linear);
+                for component in &[r, g, b, alpha][..channels] {
                     data.extend(((component * 65_535.0).round() as u16).to_be_bytes());
                 }
             }
         }
     }
-    let bytes = write(picture, bits, is_opaque, &data).map_err(|error| error.to_string())?;
+    let bytes = write(picture, options, is_opaque, &data).map_err(|error| error.to_string())?;
     Ok((bytes, report))
 }
 
@@ -49,8 +62,8 @@ struct PixelReport {
     is_clipped: bool,
 }
 
-/// Components of 0 to 1, ready to be scaled to codes.
-fn encode_pixel(color: [f32; 4], is_opaque: bool) -> ([f64; 4], PixelReport) {
+/// Linear components of 0 to 1, no longer premultiplied, and alpha.
+fn straight(color: [f32; 4], is_opaque: bool) -> ([f64; 3], f64, PixelReport) {
     let has_nan = color.iter().any(|c| c.is_nan());
     let [red, green, blue, alpha] = color.map(|c| if c.is_nan() { 0.0 } else { f64::from(c) });
     let held = alpha.clamp(0.0, 1.0);
@@ -64,11 +77,11 @@ fn encode_pixel(color: [f32; 4], is_opaque: bool) -> ([f64; 4], PixelReport) {
             _ => component / held,
         };
         is_clipped |= !(-SLACK..=1.0 + SLACK).contains(&straight);
-        srgb_from_linear(straight.clamp(0.0, 1.0))
+        straight.clamp(0.0, 1.0)
     });
-    let [r, g, b] = components;
     (
-        [r, g, b, held],
+        components,
+        held,
         PixelReport {
             has_nan,
             is_clipped,
@@ -78,7 +91,7 @@ fn encode_pixel(color: [f32; 4], is_opaque: bool) -> ([f64; 4], PixelReport) {
 
 fn write(
     picture: &Picture,
-    bits: PngBits,
+    options: SaveOptions,
     is_opaque: bool,
     data: &[u8],
 ) -> Result<Vec<u8>, png::EncodingError> {
@@ -89,7 +102,10 @@ fn write(
     } else {
         ColorType::Rgba
     });
-    encoder.set_depth(match bits {
+    if options.is_live {
+        encoder.set_compression(Compression::Fast);
+    }
+    encoder.set_depth(match options.png_bits {
         PngBits::Eight => BitDepth::Eight,
         PngBits::Sixteen => BitDepth::Sixteen,
     });

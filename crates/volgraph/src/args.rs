@@ -37,6 +37,11 @@ pub enum Command {
     Adapters(AdaptersArgs),
     /// Time the frames of a graph while the camera turns.
     Bench(BenchArgs),
+    /// Render a graph, and again whenever a file that the picture depends on changes.
+    ///
+    /// Shaders with all that they import, the graph, transfer functions, images and volumes are watched. A change that
+    /// is refused leaves the picture as it was; the diagnostic names file, line and column. Ctrl-C ends.
+    Watch(WatchArgs),
 }
 
 /// Where shaders are looked for.
@@ -264,6 +269,33 @@ pub struct BenchArgs {
     #[arg(long)]
     pub no_read_back: bool,
     /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `volgraph watch`.
+#[derive(ClapArgs, Debug)]
+pub struct WatchArgs {
+    /// The graph and its changes.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// The picture: .png, or .exr with depth and opacity. It is replaced as a whole, never half written.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Bits of each PNG component: 8 or 16.
+    #[arg(long, value_name = "BITS", default_value = "8", value_parser = ["8", "16"])]
+    pub png_bits: String,
+    /// Run a shell command after each picture, with its file in VOLGRAPH_PICTURE and its number in VOLGRAPH_NUMBER.
+    /// While it runs, newer pictures wait; the last of them is next.
+    #[arg(long, value_name = "COMMAND")]
+    pub exec: Option<String>,
+    /// Print how far each picture is from this one, instead of from the last.
+    #[arg(long, value_name = "PICTURE")]
+    pub against: Option<PathBuf>,
+    /// Look at the files every so many milliseconds, instead of being told by the system.
+    #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u64).range(1..=3_600_000))]
+    pub poll: Option<u64>,
+    /// Print one JSON object a line.
     #[arg(long)]
     pub json: bool,
 }

@@ -9,10 +9,13 @@ mod info;
 mod nodes;
 mod plan;
 mod render;
+mod watch;
 
+use std::path::Path;
 use std::process::ExitCode;
 
-use volgraph::{Scene, registry};
+use volgraph::{Findings, Scene, SessionOptions, registry};
+use volgraph_picture::{PictureError, PngBits};
 
 use crate::args::{Command, SceneArgs};
 use crate::output;
@@ -29,6 +32,7 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Nodes(args) => nodes::run(&args),
         Command::Adapters(args) => adapters::run(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::Watch(args) => watch::run(&args),
     }
 }
 
@@ -48,4 +52,40 @@ fn load(args: &SceneArgs) -> anyhow::Result<Scene> {
         output::warn(&format!("source {source}: {warning}"));
     }
     Ok(scene)
+}
+
+/// How a session for these arguments is opened; pictures carry depth and opacity where their file can.
+fn session_options(args: &SceneArgs, output: Option<&Path>) -> SessionOptions {
+    SessionOptions {
+        adapter: args.adapter_choice(),
+        size: args.size,
+        overrides: args.overrides(),
+        shader_folders: args.shader_folders(),
+        with_layers: output.is_some_and(|output| extension(output) == "exr"),
+    }
+}
+
+fn extension(path: &Path) -> String {
+    let extension = path.extension().unwrap_or_default();
+    extension.to_string_lossy().to_lowercase()
+}
+
+/// Refuses a name that no picture can be saved to, before anything else is done.
+fn check_extension(output: &Path) -> Result<(), Findings> {
+    if ["png", "exr"].contains(&extension(output).as_str()) {
+        return Ok(());
+    }
+    let error = PictureError::Extension {
+        path: output.to_path_buf(),
+    };
+    Err(errors::of_picture(&error, output).into())
+}
+
+/// `--png-bits`, which clap has checked.
+fn png_bits(bits: &str) -> PngBits {
+    if bits == "16" {
+        PngBits::Sixteen
+    } else {
+        PngBits::Eight
+    }
 }

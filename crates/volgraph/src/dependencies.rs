@@ -2,18 +2,18 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
 
 use volgraph_shader::{ShaderFiles, SnapshotFiles};
+use volgraph_watch::{Seen, Stamp};
 
 use crate::scene::Scene;
 
-/// Files, with what was used of each, and folders.
+/// Files with what was used of each, and folders.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Dependencies {
-    /// Files of text → BLAKE3 of the text that was used; `None` for one that was looked for in vain.
-    pub texts: BTreeMap<PathBuf, Option<[u8; 32]>>,
-    /// Files of sources.
-    pub data: BTreeSet<PathBuf>,
+    /// Every file that was read or looked for in vain.
+    pub files: BTreeMap<PathBuf, Seen>,
     /// Folders in which anything may mend what was refused.
     pub folders: BTreeSet<PathBuf>,
 }
@@ -22,12 +22,11 @@ impl Dependencies {
     /// Those of a scene and the shaders that were read for it.
     #[must_use]
     pub fn of(scene: &Scene, snapshot: &SnapshotFiles) -> Self {
-        let mut texts = snapshot.seen();
-        texts.insert(scene.path.clone(), Some(digest(&scene.text)));
-        let data = scene.sources.values().flat_map(|source| source.files());
+        let mut files = scene.data.clone();
+        files.extend(shaders(snapshot));
+        files.insert(scene.path.clone(), Seen::bytes(scene.text.as_bytes()));
         Self {
-            texts,
-            data: data.collect(),
+            files,
             folders: BTreeSet::new(),
         }
     }
@@ -37,19 +36,62 @@ impl Dependencies {
     pub(crate) fn note(
         &mut self,
         graph: &Path,
-        text: Option<&str>,
+        text: Option<&String>,
         changed: &BTreeSet<PathBuf>,
         snapshot: &SnapshotFiles,
     ) {
-        for path in changed.iter().filter(|path| self.texts.contains_key(*path)) {
-            // What the snapshot has read it tells below.
-            let _ = snapshot.read(path);
+        for path in changed {
+            match self.files.get_mut(path) {
+                // What a snapshot has read it tells below.
+                Some(Seen::Digest(_) | Seen::Absent) => {
+                    let _ = snapshot.read(path);
+                }
+                Some(seen @ Seen::Stamp(_)) => *seen = as_it_is(path),
+                None => {}
+            }
         }
-        self.texts.extend(snapshot.seen());
-        self.texts.insert(graph.to_path_buf(), text.map(digest));
+        self.files.extend(shaders(snapshot));
+        self.note_graph(graph, text);
+    }
+
+    /// Takes note of a graph's text; `None` where it cannot be read.
+    pub(crate) fn note_graph(&mut self, graph: &Path, text: Option<&String>) {
+        let text = text.map_or_else(|| as_it_is(graph), |text| Seen::bytes(text.as_bytes()));
+        self.files.insert(graph.to_path_buf(), text);
+    }
+
+    /// What a source's load looked for and found or not, where it failed.
+    pub(crate) fn note_failed_source(&mut self, asked: &BTreeSet<PathBuf>) {
+        for path in asked {
+            self.files.insert(path.clone(), as_it_is(path));
+            // Its header may name other files: anything beside it may mend it.
+            if let (true, Some(folder)) = (path.exists(), path.parent()) {
+                self.folders.insert(folder.to_path_buf());
+            }
+        }
     }
 }
 
-fn digest(text: &str) -> [u8; 32] {
-    *blake3::hash(text.as_bytes()).as_bytes()
+fn shaders(snapshot: &SnapshotFiles) -> impl Iterator<Item = (PathBuf, Seen)> {
+    snapshot.seen().into_iter().map(|(path, digest)| {
+        // A file that is there and could not be read: whatever comes after what it is now.
+        let seen = digest.map_or_else(|| as_it_is(&path), Seen::Digest);
+        (path, seen)
+    })
+}
+
+fn as_it_is(path: &Path) -> Seen {
+    Stamp::of(path).map_or(Seen::Absent, Seen::Stamp)
+}
+
+/// File systems' clocks are this coarse.
+const CLOCK: Duration = Duration::from_millis(10);
+
+/// What was used of a file of data whose reading began at `began`. One that was written meanwhile counts as unseen, so
+/// that it is read again.
+pub(crate) fn data_since(path: &Path, began: SystemTime) -> Seen {
+    match Stamp::of(path) {
+        Ok(stamp) if stamp.modified().is_none_or(|at| at + CLOCK < began) => Seen::Stamp(stamp),
+        _ => Seen::Absent,
+    }
 }

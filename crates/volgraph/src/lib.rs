@@ -27,6 +27,7 @@ pub use overrides::{Overrides, ParamOverride};
 pub use scene::{NoProgress, Scene, SourceProgress};
 pub use session::{
     Change, ChangeReport, ChangedFile, Drawn, Outcome, Refused, Session, SessionOptions, Stages,
+    Unopened,
 };
 pub use shaders::{EMBEDDED_SHADERS, ShaderFolders};
 pub use volgraph_gpu::{AdapterChoice, AdapterSummary, FrameReport, list_adapters};

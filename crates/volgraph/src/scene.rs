@@ -1,9 +1,10 @@
 //! A graph and its sources, loaded: all that a plan is made of, without a GPU.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::SystemTime;
 
 use indexmap::IndexMap;
 use naga::valid::Capabilities;
@@ -13,7 +14,9 @@ use volgraph_graph::{
 };
 use volgraph_report::{Finding, Findings, Place};
 use volgraph_shader::{ShaderFiles, ShaderRoots};
+use volgraph_watch::Seen;
 
+use crate::dependencies::{Dependencies, data_since};
 use crate::overrides::Overrides;
 use crate::shaders::ShaderFolders;
 
@@ -50,6 +53,8 @@ pub struct Scene {
     pub registry: Registry,
     /// Where its shaders are.
     pub shader_folders: ShaderFolders,
+    /// The files of its sources, with what was used of each.
+    pub data: BTreeMap<PathBuf, Seen>,
 }
 
 impl Scene {
@@ -64,16 +69,39 @@ impl Scene {
         registry: Registry,
         progress: &dyn SourceProgress,
     ) -> Result<Self, Findings> {
+        let mut dependencies = Dependencies::default();
+        Self::load_noting(
+            path,
+            overrides,
+            shader_folders,
+            registry,
+            progress,
+            &mut dependencies,
+        )
+    }
+
+    /// The same, and what was looked at is noted, also where it fails.
+    pub(crate) fn load_noting(
+        path: &Path,
+        overrides: &Overrides,
+        shader_folders: &ShaderFolders,
+        registry: Registry,
+        progress: &dyn SourceProgress,
+        dependencies: &mut Dependencies,
+    ) -> Result<Self, Findings> {
+        let text = read_text(path);
+        dependencies.note_graph(path, text.as_ref().ok());
         let scene = Self {
             path: path.to_path_buf(),
-            text: read_text(path)?,
+            text: text?,
             desc: GraphDesc::default(),
             overrides: overrides.clone(),
             sources: IndexMap::new(),
             registry,
             shader_folders: shader_folders.clone(),
+            data: BTreeMap::new(),
         };
-        scene.read(&|_, _| None, progress)
+        scene.read(&|_, _| None, progress, dependencies)
     }
 
     /// The graph with another text, and its sources: those that it now asks for differently or whose files are among
@@ -81,12 +109,13 @@ impl Scene {
     ///
     /// # Errors
     /// As [`Self::load`].
-    pub fn reload(
+    pub(crate) fn reload(
         &self,
         text: String,
         changed: &BTreeSet<PathBuf>,
         overrides: &Overrides,
         progress: &dyn SourceProgress,
+        dependencies: &mut Dependencies,
     ) -> Result<Self, Findings> {
         let loaded = |name: &str, desc: &SourceDesc| {
             let source = self.sources.get(name)?;
@@ -102,8 +131,9 @@ impl Scene {
             sources: IndexMap::new(),
             registry: self.registry.clone(),
             shader_folders: self.shader_folders.clone(),
+            data: self.data.clone(),
         };
-        scene.read(&loaded, progress)
+        scene.read(&loaded, progress, dependencies)
     }
 
     /// The same graph, as it was read, with other overrides.
@@ -115,7 +145,15 @@ impl Scene {
         overrides: &Overrides,
         progress: &dyn SourceProgress,
     ) -> Result<Self, Findings> {
-        self.reload(self.text.clone(), &BTreeSet::new(), overrides, progress)
+        let mut dependencies = Dependencies::default();
+        let text = self.text.clone();
+        self.reload(
+            text,
+            &BTreeSet::new(),
+            overrides,
+            progress,
+            &mut dependencies,
+        )
     }
 
     /// From the text to the graph and its sources.
@@ -123,13 +161,30 @@ impl Scene {
         mut self,
         loaded: &dyn Fn(&str, &SourceDesc) -> Option<Arc<dyn Source>>,
         progress: &dyn SourceProgress,
+        dependencies: &mut Dependencies,
     ) -> Result<Self, Findings> {
         self.desc = read::graph(&self.path, &self.text)?;
         self.overrides.apply(&mut self.desc)?;
         let report = |source: &str, done: u64, total: u64| progress.progress(source, done, total);
         let folders = Folders::new(folder_of(&self.path), &self.overrides.data);
+        let began = SystemTime::now();
         let (sources, mut findings) =
             sources::reload(&self.desc, &self.registry, &folders, loaded, &report);
+        let before = std::mem::take(&mut self.data);
+        for (name, source) in &sources {
+            let desc = self.desc.sources.get(name);
+            let is_shared = desc.is_some_and(|desc| loaded(name, desc).is_some());
+            for file in source.files() {
+                let seen = match before.get(&file) {
+                    Some(seen) if is_shared => seen.clone(),
+                    _ => data_since(&file, began),
+                };
+                self.data.insert(file, seen);
+            }
+        }
+        if sources.len() < self.desc.sources.len() {
+            dependencies.note_failed_source(&folders.asked());
+        }
         self.sources = sources;
         // Names can be looked up even where a source is broken: all findings at once.
         if let Err(more) =

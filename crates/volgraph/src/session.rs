@@ -71,6 +71,15 @@ pub struct Session {
     remade: Option<String>,
 }
 
+/// Why there is no session.
+#[derive(Clone, Debug)]
+pub struct Unopened {
+    /// Everything wrong.
+    pub findings: Findings,
+    /// The files that were looked at.
+    pub dependencies: Dependencies,
+}
+
 /// Everything that makes a picture.
 struct State {
     scene: Scene,
@@ -134,15 +143,36 @@ impl Session {
         registry: Registry,
         progress: &dyn SourceProgress,
     ) -> Result<Self, Findings> {
-        let scene = Scene::load(
+        Self::begin(graph, options, registry, progress).map_err(|unopened| unopened.findings)
+    }
+
+    /// The same; where it fails, it says which files to watch for a remedy.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn begin(
+        graph: &Path,
+        options: &SessionOptions,
+        registry: Registry,
+        progress: &dyn SourceProgress,
+    ) -> Result<Self, Unopened> {
+        let mut dependencies = Dependencies::default();
+        let loaded = Scene::load_noting(
             graph,
             &options.overrides,
             &options.shader_folders,
             registry,
             progress,
-        )?;
-        let gpu = Arc::new(Gpu::open(&options.adapter)?);
-        Self::start(scene, gpu, options)
+            &mut dependencies,
+        );
+        let started = loaded.and_then(|scene| {
+            let gpu = Arc::new(Gpu::open(&options.adapter)?);
+            Self::start_noting(scene, gpu, options, &mut dependencies)
+        });
+        started.map_err(|findings| Unopened {
+            findings,
+            dependencies,
+        })
     }
 
     /// A session for a loaded scene on an open device.
@@ -150,9 +180,20 @@ impl Session {
     /// # Errors
     /// As [`Self::open`].
     pub fn start(scene: Scene, gpu: Arc<Gpu>, options: &SessionOptions) -> Result<Self, Findings> {
+        Self::start_noting(scene, gpu, options, &mut Dependencies::default())
+    }
+
+    fn start_noting(
+        scene: Scene,
+        gpu: Arc<Gpu>,
+        options: &SessionOptions,
+        dependencies: &mut Dependencies,
+    ) -> Result<Self, Findings> {
         scene.check_color_output()?;
         let (shaders, snapshot) = apply::library(&scene, &gpu);
-        let plan = scene.plan(&shaders, &gpu.limits(), options.size, options.with_layers)?;
+        let plan = scene.plan(&shaders, &gpu.limits(), options.size, options.with_layers);
+        *dependencies = Dependencies::of(&scene, &snapshot);
+        let plan = plan?;
         let stance = Stance::Graph;
         let view = stance.view(&plan);
         let mut runner = Runner::new(gpu);
@@ -161,7 +202,7 @@ impl Session {
             options: options.clone(),
             runner,
             wanted: scene.overrides.clone(),
-            dependencies: Dependencies::of(&scene, &snapshot),
+            dependencies: dependencies.clone(),
             state: State {
                 scene,
                 shaders,
@@ -245,6 +286,16 @@ impl Session {
     pub fn render(&mut self) -> Result<(Picture, FrameReport), Findings> {
         let report = self.draw()?;
         Ok((self.state.picture(&self.runner)?, report))
+    }
+
+    /// As [`Self::render`], and the picture's colours must be finite numbers, as those of [`Self::apply`] must.
+    ///
+    /// # Errors
+    /// As [`Self::draw`], and `not-finite`.
+    pub fn render_checked(&mut self) -> Result<(Picture, FrameReport), Findings> {
+        let (picture, report) = self.render()?;
+        apply::check_finite(&picture, &self.state)?;
+        Ok((picture, report))
     }
 
     /// Why the device was lost and opened again since this was last asked, if it was.

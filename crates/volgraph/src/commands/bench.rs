@@ -6,23 +6,17 @@ use std::time::Instant;
 
 use glam::DQuat;
 use serde_json::json;
-use volgraph::{Session, SessionOptions};
+use volgraph::Session;
 use volgraph_gpu::Gpu;
 use volgraph_measure::timing::Summary;
 
-use super::load;
+use super::{load, session_options};
 use crate::args::BenchArgs;
 use crate::output;
 
 pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
     let scene = load(&args.scene)?;
-    let options = SessionOptions {
-        adapter: args.scene.adapter_choice(),
-        size: args.scene.size,
-        overrides: args.scene.overrides(),
-        shader_folders: args.scene.shader_folders(),
-        with_layers: false,
-    };
+    let options = session_options(&args.scene, None);
     let gpu = Arc::new(Gpu::open(&options.adapter)?);
     let mut session = Session::start(scene, gpu, &options)?;
     let first = *session.view();

@@ -11,6 +11,8 @@ mod format;
 mod graphs;
 mod shaders;
 
+pub use format::json;
+
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -5,46 +5,25 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use serde_json::json;
-use volgraph::{Findings, Session, SessionOptions};
+use volgraph::{Findings, Session};
 use volgraph_gpu::Gpu;
-use volgraph_picture::{PictureError, PngBits, SaveOptions};
+use volgraph_picture::SaveOptions;
 
-use super::{errors, load};
+use super::{check_extension, errors, load, png_bits, session_options};
 use crate::args::RenderArgs;
 use crate::output;
 
 pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
-    let extension = args
-        .output
-        .extension()
-        .and_then(|e| e.to_str())
-        .unwrap_or("")
-        .to_lowercase();
-    if extension != "png" && extension != "exr" {
-        let error = PictureError::Extension {
-            path: args.output.clone(),
-        };
-        return Err(Findings::from(errors::of_picture(&error, &args.output)).into());
-    }
+    check_extension(&args.output)?;
     let start = Instant::now();
     let scene = load(&args.scene)?;
-    let options = SessionOptions {
-        adapter: args.scene.adapter_choice(),
-        size: args.scene.size,
-        overrides: args.scene.overrides(),
-        shader_folders: args.scene.shader_folders(),
-        with_layers: extension == "exr",
-    };
+    let options = session_options(&args.scene, Some(&args.output));
     let gpu = Arc::new(Gpu::open(&options.adapter)?);
     let mut session = Session::start(scene, gpu, &options)?;
     let ready = start.elapsed();
     let (picture, report) = session.render()?;
     let drawn = start.elapsed();
-    let bits = if args.png_bits == "16" {
-        PngBits::Sixteen
-    } else {
-        PngBits::Eight
-    };
+    let bits = png_bits(&args.png_bits);
     let saved = picture
         .save(&args.output, SaveOptions::default().with_png_bits(bits))
         .map_err(|error| Findings::from(errors::of_picture(&error, &args.output)))?;

@@ -104,8 +104,9 @@ impl Session {
             Change::Files(changed) => {
                 let text = read_text(&old.scene.path);
                 self.dependencies
-                    .note(&old.scene.path, text.as_deref().ok(), changed, &snapshot);
-                text.and_then(|text| old.scene.reload(text, changed, &wanted, progress))
+                    .note(&old.scene.path, text.as_ref().ok(), changed, &snapshot);
+                let noted = &mut self.dependencies;
+                text.and_then(|text| old.scene.reload(text, changed, &wanted, progress, noted))
             }
             Change::Set(_) => old.scene.with_overrides(&wanted, progress),
             // The overrides that are set aside stay aside.
@@ -315,7 +316,7 @@ fn new_warnings(old: &Scene, new: &Scene) -> Vec<String> {
 }
 
 /// A colour that is no finite number would go on into everything that is made of the picture.
-fn check_finite(picture: &Picture, state: &State) -> Result<(), Findings> {
+pub(super) fn check_finite(picture: &Picture, state: &State) -> Result<(), Findings> {
     let mut bad = picture
         .color
         .iter()

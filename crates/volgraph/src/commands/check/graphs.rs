@@ -60,6 +60,7 @@ impl Checker<'_> {
             sources: loaded,
             registry: self.registry.clone(),
             shader_folders: self.folders.clone(),
+            data: Default::default(),
         };
         findings.take(scene.check_color_output());
         let shaders = scene.shader_library(Capabilities::default());
