@@ -5,5 +5,6 @@
 mod accuracy;
 mod agreement;
 mod closed_forms;
+mod hazards;
 mod memory_of_work;
 mod plans;

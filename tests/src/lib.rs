@@ -77,10 +77,15 @@ impl Stage {
     /// Writes a file.
     #[must_use]
     pub fn with(self, name: &str, content: impl AsRef<[u8]>) -> Self {
+        self.write(name, content);
+        self
+    }
+
+    /// Writes a file, as an edit while a session is open.
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) {
         let path = self.folder.path().join(name);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(path, content).unwrap();
-        self
     }
 
     /// Writes a raw float volume of which each voxel is `value(x, y, z)`; its name carries dimensions and type.
@@ -116,6 +121,19 @@ impl Stage {
     ) -> Result<Session, Findings> {
         open(&self.path().join(graph), sets, backend, size)
     }
+
+    /// The same on a device of its own, which may be lost.
+    ///
+    /// # Errors
+    /// What is wrong with the scene.
+    pub fn open_alone(
+        &self,
+        graph: &str,
+        backend: &str,
+        size: [u32; 2],
+    ) -> Result<Session, Findings> {
+        Session::open(self.path().join(graph), &options(&[], backend, size))
+    }
 }
 
 /// Opens a session for a graph file.
@@ -128,21 +146,7 @@ pub fn open(
     backend: &str,
     size: [u32; 2],
 ) -> Result<Session, Findings> {
-    let overrides = Overrides {
-        params: sets
-            .iter()
-            .map(|set| ParamOverride::parse(set).unwrap())
-            .collect(),
-        data: data_folders(),
-        ..Overrides::default()
-    };
-    let options = SessionOptions {
-        adapter: AdapterChoice::new(Some(backend)),
-        size,
-        overrides,
-        with_layers: true,
-        ..SessionOptions::default()
-    };
+    let options = options(sets, backend, size);
     let scene = Scene::load(
         graph,
         &options.overrides,
@@ -151,6 +155,24 @@ pub fn open(
         &volgraph::NoProgress,
     )?;
     Session::start(scene, gpu(backend), &options)
+}
+
+fn options(sets: &[&str], backend: &str, size: [u32; 2]) -> SessionOptions {
+    let overrides = Overrides {
+        params: sets
+            .iter()
+            .map(|set| ParamOverride::parse(set).unwrap())
+            .collect(),
+        data: data_folders(),
+        ..Overrides::default()
+    };
+    SessionOptions {
+        adapter: AdapterChoice::new(Some(backend)),
+        size,
+        overrides,
+        with_layers: true,
+        ..SessionOptions::default()
+    }
 }
 
 /// The device of a backend, opened once.

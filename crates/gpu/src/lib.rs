@@ -11,6 +11,7 @@ mod adapter;
 mod bindings;
 mod device;
 mod error;
+mod guard;
 mod pipelines;
 pub mod pool;
 mod readback;

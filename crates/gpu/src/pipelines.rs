@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use volgraph_graph::{Digest, Pass, Program};
 use volgraph_report::{Finding, Findings};
-use volgraph_shader::Binding;
+use volgraph_shader::{Binding, GuardRequest, guard};
 use wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, ColorTargetState, ColorWrites, ComputePipeline,
     ComputePipelineDescriptor, Face, FragmentState, FrontFace, PipelineCompilationOptions,
@@ -19,6 +19,7 @@ use wgpu::{
 use crate::bindings::{layout_entry, with_uniforms_as_storage};
 use crate::device::Gpu;
 use crate::error::GpuError;
+use crate::guard::Guard;
 use crate::runner::Building;
 
 /// Everything that makes two pipelines different. `override` values go by their bits.
@@ -34,6 +35,8 @@ pub(crate) struct PipelineKey {
 pub(crate) struct Pipeline {
     pub kind: PipelineKind,
     pub groups: BTreeMap<u32, (BindGroupLayout, Vec<Binding>)>,
+    /// What watches its loops and loads; `None` where there is nothing to watch.
+    pub guard: Option<Arc<Guard>>,
 }
 
 #[derive(Debug)]
@@ -42,14 +45,25 @@ pub(crate) enum PipelineKind {
     Render(RenderPipeline),
 }
 
+/// The loop turns of one invocation. Far over what a ray through the largest volume takes with shadow rays of its own;
+/// a GPU takes a fraction of a second for them, and then every invocation ends at once.
+const MAX_STEPS: u32 = 1 << 24;
+
 /// The format of the target that draw passes have and do not write.
 pub(crate) const SCRATCH_FORMAT: TextureFormat = TextureFormat::R8Unorm;
+
+/// A module on the device, and what watches it.
+#[derive(Clone, Debug)]
+struct Built {
+    module: Arc<ShaderModule>,
+    guard: Option<Arc<Guard>>,
+}
 
 /// All pipelines built so far.
 #[derive(Debug, Default)]
 pub(crate) struct Pipelines {
-    /// By linked text, and whether uniforms are read as storage buffers.
-    modules: BTreeMap<(Digest, bool), Arc<ShaderModule>>,
+    /// By linked text, entry points, and whether uniforms are read as storage buffers.
+    modules: BTreeMap<(Digest, Vec<&'static str>, bool), Built>,
     built: BTreeMap<PipelineKey, Arc<Pipeline>>,
     /// What was built since somebody asked.
     pub(crate) building: Building,
@@ -65,7 +79,7 @@ impl Pipelines {
     pub(crate) fn retain(&mut self, used: &[PipelineKey]) {
         self.built.retain(|key, _| used.contains(key));
         self.modules
-            .retain(|(digest, _), _| used.iter().any(|key| key.module == *digest));
+            .retain(|(digest, ..), _| used.iter().any(|key| key.module == *digest));
     }
 
     /// The pipeline of a pass of a node; `None` for passes that need none.
@@ -88,40 +102,66 @@ impl Pipelines {
             program.spec.root
         );
         let uniforms_as_storage = gpu.uniforms_as_storage() && matches!(pass, Pass::Compute { .. });
-        let module = match self.modules.get(&(key.module, uniforms_as_storage)) {
-            Some(module) => Arc::clone(module),
+        let module_key = (key.module, key.entries.clone(), uniforms_as_storage);
+        let built = match self.modules.get(&module_key) {
+            Some(built) => built.clone(),
             None => {
                 let start = Instant::now();
-                let naga = program.module.naga.clone();
-                let naga = if uniforms_as_storage {
-                    with_uniforms_as_storage(naga)
-                } else {
-                    naga
-                };
-                let source = ShaderSource::Naga(Cow::Owned(naga));
-                let descriptor = ShaderModuleDescriptor {
-                    label: Some(program.spec.root),
-                    source,
-                };
-                let module = gpu.scoped(&what, 0, || {
-                    Arc::new(gpu.device.create_shader_module(descriptor))
-                })?;
-                self.modules
-                    .insert((key.module, uniforms_as_storage), Arc::clone(&module));
+                let built = module(gpu, program, &key, uniforms_as_storage, &what)?;
+                self.modules.insert(module_key, built.clone());
                 self.building.module_time += start.elapsed();
-                module
+                built
             }
         };
-        let groups = groups(gpu, program, &key, uniforms_as_storage, &what)?;
+        let guard = built.guard.as_deref();
+        let groups = groups(gpu, program, &key, guard, uniforms_as_storage, &what)?;
         let start = Instant::now();
-        let kind = gpu.scoped(&what, 0, || build(gpu, &module, &key, &groups))?;
+        let kind = gpu.scoped(&what, 0, || build(gpu, &built.module, &key, &groups))?;
         self.building.pipeline_time += start.elapsed();
-        let built = format!("{node} ({})", key.entries[key.entries.len() - 1]);
-        self.building.pipelines.push(built);
-        let pipeline = Arc::new(Pipeline { kind, groups });
+        let name = format!("{node} ({})", key.entries[key.entries.len() - 1]);
+        self.building.pipelines.push(name);
+        let pipeline = Arc::new(Pipeline {
+            kind,
+            groups,
+            guard: built.guard,
+        });
         self.built.insert(key, Arc::clone(&pipeline));
         Ok(Some(pipeline))
     }
+}
+
+/// Hands a program to the device, guarded: every invocation ends, and what goes wrong is counted where it does.
+fn module(
+    gpu: &Gpu,
+    program: &Program,
+    key: &PipelineKey,
+    uniforms_as_storage: bool,
+    what: &str,
+) -> Result<Built, GpuError> {
+    let request = GuardRequest {
+        max_steps: MAX_STEPS,
+        entries: &key.entries,
+    };
+    let mut guarded = guard(&program.module, request, gpu.capabilities());
+    let naga = std::mem::take(&mut guarded.module);
+    let naga = if uniforms_as_storage {
+        with_uniforms_as_storage(naga)
+    } else {
+        naga
+    };
+    let descriptor = ShaderModuleDescriptor {
+        label: Some(program.spec.root),
+        source: ShaderSource::Naga(Cow::Owned(naga)),
+    };
+    let module = gpu.scoped(what, 0, || gpu.device.create_shader_module(descriptor))?;
+    let guard = match guarded.binding {
+        Some(_) => Some(Arc::new(Guard::new(gpu, guarded, what)?)),
+        None => None,
+    };
+    Ok(Built {
+        module: Arc::new(module),
+        guard,
+    })
 }
 
 /// The key of a pass's pipeline; `None` for passes that need none.
@@ -152,6 +192,7 @@ fn groups(
     gpu: &Gpu,
     program: &Program,
     key: &PipelineKey,
+    guard: Option<&Guard>,
     uniforms_as_storage: bool,
     what: &str,
 ) -> Result<BTreeMap<u32, (BindGroupLayout, Vec<Binding>)>, GpuError> {
@@ -185,6 +226,11 @@ fn groups(
             layout.push(entry);
             bindings.push(binding);
         }
+    }
+    if let Some(guard) = guard {
+        let visibility = stages[stages.len() - 1];
+        let (layout, _) = entries.entry(guard.group).or_default();
+        layout.push(guard.layout_entry(visibility));
     }
     let entries = findings.into_result(entries)?;
     gpu.scoped(what, 0, || {

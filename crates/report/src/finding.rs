@@ -113,7 +113,7 @@ impl fmt::Display for Finding {
 }
 
 /// Everything found in one run. As an error it displays one finding a line, sorted by place.
-#[derive(Clone, Debug, Default, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, thiserror::Error)]
 pub struct Findings(Vec<Finding>);
 
 impl Findings {

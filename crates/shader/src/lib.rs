@@ -4,12 +4,14 @@
 //! that knows the author's place of each byte, [`check()`] gives that text to naga and turns what naga says
 //! into findings at the author's places. The [`Module`] it returns answers what a render graph asks: entry
 //! points, the bindings that one really uses, overrides, [`params`] and struct layouts. [`UniformWriter`]
-//! fills a uniform buffer by member names. Nothing here touches a GPU.
+//! fills a uniform buffer by member names. For live editing, [`guard()`] rewrites a module so that each
+//! invocation ends and tells where it went wrong. Nothing here touches a GPU.
 
 mod assemble;
 mod check;
 mod diagnose;
 mod files;
+mod guard;
 mod layout;
 mod link;
 mod linked;
@@ -25,6 +27,7 @@ mod uniform;
 
 pub use check::{Module, check, check_file};
 pub use files::{DiskFiles, MemoryFiles, ShaderFiles};
+pub use guard::{GuardRequest, GuardSite, Guarded, Hazard, guard};
 pub use layout::{Member, MemberType, ScalarType, StructLayout};
 pub use link::{LinkRequest, link};
 pub use linked::{Linked, LinkedFile, SegmentMap};

@@ -46,6 +46,13 @@ pub fn report(findings: &Findings) {
     }
 }
 
+/// Prints warnings, if there are any.
+pub fn report_warnings(warnings: &Findings) {
+    if !warnings.is_empty() {
+        report(warnings);
+    }
+}
+
 /// Prints why a command failed: findings with excerpts, anything else with its causes.
 pub fn fail(error: &anyhow::Error) -> ExitCode {
     match error.downcast_ref::<Findings>() {

@@ -288,12 +288,13 @@ impl Session {
         Ok((self.state.picture(&self.runner)?, report))
     }
 
-    /// As [`Self::render`], and the picture's colours must be finite numbers, as those of [`Self::apply`] must.
+    /// As [`Self::render`], held to what [`Self::apply`] asks of a picture: no hazard, and finite colours.
     ///
     /// # Errors
-    /// As [`Self::draw`], and `not-finite`.
+    /// As [`Self::draw`], the hazards that are warnings there, and `not-finite`.
     pub fn render_checked(&mut self) -> Result<(Picture, FrameReport), Findings> {
         let (picture, report) = self.render()?;
+        apply::check_hazards(&report)?;
         apply::check_finite(&picture, &self.state)?;
         Ok((picture, report))
     }

@@ -56,6 +56,12 @@ impl Runner {
                     resource,
                 });
             }
+            if let Some(guard) = pipeline.guard.as_ref().filter(|it| it.group == *group) {
+                entries.push(BindGroupEntry {
+                    binding: guard.binding,
+                    resource: guard.counters.as_entire_binding(),
+                });
+            }
             let what = format!("binding the resources of node `{}`", node.name);
             let bind_group = self.gpu.scoped(&what, installation.bytes(), || {
                 self.gpu.device.create_bind_group(&BindGroupDescriptor {

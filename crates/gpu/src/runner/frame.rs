@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use volgraph_graph::{NodeId, Pass, Plan, View};
-use volgraph_report::Finding;
+use volgraph_report::{Finding, Findings};
 use wgpu::{
     Color, CommandEncoder, CommandEncoderDescriptor, Extent3d, LoadOp, Operations,
     RenderPassColorAttachment, RenderPassDescriptor, StoreOp, TextureDescriptor, TextureDimension,
@@ -15,6 +15,7 @@ use wgpu::{
 use super::schedule::must_run;
 use super::{Chosen, FrameReport, Installation, NodeReport, Runner, variant_key};
 use crate::error::GpuError;
+use crate::guard::Watched;
 use crate::pipelines::{PipelineKind, SCRATCH_FORMAT};
 use crate::timing::Timer;
 
@@ -25,6 +26,7 @@ const MEASURE_SIZE: u32 = 256;
 struct Recording {
     encoder: CommandEncoder,
     timer: Option<Timer>,
+    watched: Watched,
 }
 
 impl Runner {
@@ -48,6 +50,7 @@ impl Runner {
         let mut recording = Recording {
             encoder: self.encoder(),
             timer: Timer::new(&self.gpu, running.len()),
+            watched: Watched::default(),
         };
         let mut written = Vec::new();
         let mut variants: BTreeMap<NodeId, &'static str> = BTreeMap::new();
@@ -72,12 +75,13 @@ impl Runner {
                 timer.mark(&mut recording.encoder);
             }
         }
-        let Recording { mut encoder, timer } = recording;
-        if let Some(timer) = &timer {
-            timer.resolve(&mut encoder);
+        if let Some(timer) = &recording.timer {
+            timer.resolve(&mut recording.encoder);
         }
-        self.gpu.queue.submit([encoder.finish()]);
-        self.gpu.wait()?;
+        let (hazards, timer) = self.submit(recording)?;
+        if hazards.has_errors() {
+            return Err(hazards.into());
+        }
         let times = match &timer {
             Some(timer) => timer.milliseconds(&self.gpu)?,
             None => Vec::new(),
@@ -118,6 +122,7 @@ impl Runner {
             nodes: nodes.collect(),
             memory: self.memory(installation),
             pipelines: self.pipelines.len(),
+            hazards,
         })
     }
 
@@ -127,6 +132,23 @@ impl Runner {
             .create_command_encoder(&CommandEncoderDescriptor {
                 label: Some("frame"),
             })
+    }
+
+    /// Submits what is recorded, waits for it, and tells what the guards have seen.
+    fn submit(&self, recording: Recording) -> Result<(Findings, Option<Timer>), GpuError> {
+        let Recording {
+            mut encoder,
+            timer,
+            watched,
+        } = recording;
+        let counters = watched.resolve(&self.gpu, &mut encoder);
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.wait()?;
+        let hazards = match &counters {
+            Some(counters) => watched.findings(&self.gpu, counters)?,
+            None => Findings::new(),
+        };
+        Ok((hazards, timer))
     }
 
     fn flush(&self, recording: &mut Recording) {
@@ -173,11 +195,15 @@ impl Runner {
                 let mut recording = Recording {
                     encoder: self.encoder(),
                     timer: None,
+                    watched: Watched::default(),
                 };
                 let start = Instant::now();
                 self.node(installation, id, &small, Some(variant), &mut recording)?;
-                self.gpu.queue.submit([recording.encoder.finish()]);
-                self.gpu.wait()?;
+                let (hazards, _) = self.submit(recording)?;
+                // What does not end need not be timed.
+                if hazards.has_errors() {
+                    return Err(hazards.into());
+                }
                 let elapsed = start.elapsed().as_secs_f64() * 1e3;
                 if round > 0 {
                     times
@@ -219,6 +245,9 @@ impl Runner {
                 }
                 Pass::Compute { workgroups, .. } => {
                     let (pipeline, groups) = self.bound(installation, id, view, variant, &pass)?;
+                    if let Some(guard) = &pipeline.guard {
+                        recording.watched.note(guard, &mut recording.encoder);
+                    }
                     if let PipelineKind::Compute(compute) = &pipeline.kind {
                         let mut encoder = recording.encoder.begin_compute_pass(&Default::default());
                         encoder.set_pipeline(compute);
@@ -230,6 +259,9 @@ impl Runner {
                 }
                 Pass::Draw { mesh, .. } => {
                     let (pipeline, groups) = self.bound(installation, id, view, variant, &pass)?;
+                    if let Some(guard) = &pipeline.guard {
+                        recording.watched.note(guard, &mut recording.encoder);
+                    }
                     let scratch = self.scratch(installation, view.size)?;
                     let vertices = installation.input(id, mesh.port)?.buffer();
                     let attachment = RenderPassColorAttachment {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use volgraph_report::Findings;
 
 use crate::pool::PoolReport;
 
@@ -15,6 +16,8 @@ pub struct FrameReport {
     pub memory: PoolReport,
     /// Pipelines held.
     pub pipelines: usize,
+    /// Warnings of what shaders did in it, such as loads from outside of a texture.
+    pub hazards: Findings,
 }
 
 /// What one node did in a frame.

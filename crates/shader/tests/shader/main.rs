@@ -2,6 +2,9 @@
 
 mod check;
 mod fuzz;
+mod guard;
+mod guard_loads;
+mod guard_places;
 mod link;
 mod params;
 mod reflect;

@@ -33,6 +33,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
             saved.nan_pixels
         ));
     }
+    output::report_warnings(&report.hazards);
     let milliseconds = |duration: std::time::Duration| duration.as_secs_f64() * 1e3;
     if args.json {
         output::print_json(&json!({

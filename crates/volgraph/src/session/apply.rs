@@ -10,10 +10,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
+use volgraph_gpu::FrameReport;
 use volgraph_graph::demand::ShaderLibrary;
 use volgraph_graph::{NodeId, Plan};
 use volgraph_picture::Picture;
-use volgraph_report::{Finding, Findings, Place};
+use volgraph_report::{Finding, Findings, Place, Severity};
 use volgraph_shader::{DiskFiles, SnapshotFiles};
 
 use super::change::{Change, ChangeReport, ChangedFile, Drawn, Outcome, Refused, ms};
@@ -181,6 +182,7 @@ impl Session {
         };
         report.frame = self.runner.frame(&mut state.installation, &state.view)?;
         report.stages.draw_ms = clock.lap();
+        check_hazards(&report.frame)?;
         let picture = state.picture(&self.runner)?;
         check_finite(&picture, &state)?;
         report.stages.read_back_ms = clock.lap();
@@ -313,6 +315,19 @@ fn new_warnings(old: &Scene, new: &Scene) -> Vec<String> {
     now.filter(|warning| !before.contains(warning))
         .map(|(source, warning)| format!("source {source}: {warning}"))
         .collect()
+}
+
+/// What is a warning for a picture that is rendered once is reason enough not to take a change.
+pub(super) fn check_hazards(frame: &FrameReport) -> Result<(), Findings> {
+    let hazards: Findings = (&frame.hazards)
+        .into_iter()
+        .cloned()
+        .map(|hazard| Finding {
+            severity: Severity::Error,
+            ..hazard
+        })
+        .collect();
+    hazards.into_result(())
 }
 
 /// A colour that is no finite number would go on into everything that is made of the picture.
