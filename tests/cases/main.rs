@@ -6,5 +6,6 @@ mod accuracy;
 mod agreement;
 mod closed_forms;
 mod hazards;
+mod live;
 mod memory_of_work;
 mod plans;

@@ -104,7 +104,7 @@ const TIERS: [Backends; 2] = [
     Backends::GL,
 ];
 
-fn ranked(backends: Backends) -> Vec<(AdapterSummary, Adapter)> {
+fn ranked(backends: Backends) -> (Instance, Vec<(AdapterSummary, Adapter)>) {
     let instance = Instance::new(InstanceDescriptor {
         backends,
         ..InstanceDescriptor::new_without_display_handle()
@@ -114,7 +114,7 @@ fn ranked(backends: Backends) -> Vec<(AdapterSummary, Adapter)> {
         .map(|adapter| (AdapterSummary::of(&adapter), adapter))
         .collect();
     adapters.sort_by_key(|(summary, _)| summary.rank());
-    adapters
+    (instance, adapters)
 }
 
 /// All adapters, the best of each tier first: Vulkan, Metal and DX12, then GL.
@@ -122,17 +122,20 @@ fn ranked(backends: Backends) -> Vec<(AdapterSummary, Adapter)> {
 pub fn list_adapters() -> Vec<AdapterSummary> {
     TIERS
         .into_iter()
-        .flat_map(ranked)
+        .flat_map(|backends| ranked(backends).1)
         .map(|(summary, _)| summary)
         .collect()
 }
 
-pub(crate) fn choose(choice: &AdapterChoice) -> Result<(AdapterSummary, Adapter), GpuError> {
+pub(crate) fn choose(
+    choice: &AdapterChoice,
+) -> Result<(AdapterSummary, Adapter, Instance), GpuError> {
     let mut found = Vec::new();
     for backends in TIERS {
-        for (summary, adapter) in ranked(backends) {
+        let (instance, adapters) = ranked(backends);
+        for (summary, adapter) in adapters {
             if choice.fits(&summary) {
-                return Ok((summary, adapter));
+                return Ok((summary, adapter, instance));
             }
             found.push(summary.to_string());
         }

@@ -1,10 +1,11 @@
 //! An open device and what it can do.
 
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use naga::valid::Capabilities;
 use volgraph_graph::Limits;
-use wgpu::{Device, DeviceDescriptor, Features, Queue};
+use wgpu::{Device, DeviceDescriptor, Features, Instance, Queue};
 
 use crate::adapter::{AdapterChoice, AdapterSummary, choose};
 use crate::error::GpuError;
@@ -15,6 +16,7 @@ pub struct Gpu {
     pub(crate) device: Device,
     pub(crate) queue: Queue,
     summary: AdapterSummary,
+    instance: Instance,
     /// What the device said outside of any error scope, and whether it is lost.
     faults: Arc<Faults>,
 }
@@ -35,7 +37,7 @@ impl Gpu {
     /// # Errors
     /// [`GpuError::NoAdapter`], which says what to install, and [`GpuError::NoDevice`].
     pub fn open(choice: &AdapterChoice) -> Result<Self, GpuError> {
-        let (summary, adapter) = choose(choice)?;
+        let (summary, adapter, instance) = choose(choice)?;
         let wanted = Features::FLOAT32_FILTERABLE
             | Features::TIMESTAMP_QUERY
             | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
@@ -66,6 +68,7 @@ impl Gpu {
             device,
             queue,
             summary,
+            instance,
             faults,
         })
     }
@@ -74,6 +77,33 @@ impl Gpu {
     #[must_use]
     pub fn adapter(&self) -> &AdapterSummary {
         &self.summary
+    }
+
+    /// How many objects of each kind are alive on the device, as wgpu counts them; empty where it does not.
+    #[must_use]
+    pub fn live_objects(&self) -> BTreeMap<&'static str, usize> {
+        let Some(report) = self.instance.generate_report() else {
+            return BTreeMap::new();
+        };
+        let hub = report.hub_report();
+        [
+            ("bind group layouts", hub.bind_group_layouts),
+            ("bind groups", hub.bind_groups),
+            ("buffers", hub.buffers),
+            ("command buffers", hub.command_buffers),
+            ("command encoders", hub.command_encoders),
+            ("compute pipelines", hub.compute_pipelines),
+            ("pipeline layouts", hub.pipeline_layouts),
+            ("query sets", hub.query_sets),
+            ("render pipelines", hub.render_pipelines),
+            ("samplers", hub.samplers),
+            ("shader modules", hub.shader_modules),
+            ("texture views", hub.texture_views),
+            ("textures", hub.textures),
+        ]
+        .into_iter()
+        .map(|(kind, report)| (kind, report.num_kept_from_user))
+        .collect()
     }
 
     /// Why the device is lost, if it is.

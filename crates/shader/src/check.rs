@@ -18,8 +18,8 @@ use crate::link::{LinkRequest, link};
 use crate::params::doc::shader_param;
 use crate::{Linked, ParamSpec, ShaderRoots, diagnose};
 
-/// naga recurses over declarations that refer to each other: room for the longest chain that
-/// a linked text of the largest size can have. Only what is touched is ever committed.
+/// naga recurses over declarations that refer to each other and over nested statements: room for the longest
+/// chain that a linked text of the largest size can have. Only what is touched is ever committed.
 const STACK_BYTES: usize = 128 << 20;
 
 /// A validated shader module.
@@ -44,25 +44,30 @@ pub fn check(
     capabilities: Capabilities,
 ) -> Result<Module, Findings> {
     let linked = linked.into();
-    let deep = {
-        let linked = Arc::clone(&linked);
-        thread::Builder::new()
-            .name("volgraph-shader-check".to_owned())
-            .stack_size(STACK_BYTES)
-            .spawn(move || check_here(&linked, capabilities))
-    };
-    match deep.map(thread::JoinHandle::join) {
-        Ok(Ok(result)) => result,
-        Ok(Err(_)) => Err(Finding::error(
+    with_room(|| check_here(&linked, capabilities)).unwrap_or_else(|_| {
+        Err(Finding::error(
             "wgsl-internal",
             "the WGSL compiler (naga) failed on this shader",
         )
         .at(linked.root_place())
         .help("take away parts of the shader until it compiles, and report what made it fail")
-        .into()),
-        // Where there are no threads, the caller's stack must do.
-        Err(_) => check_here(&linked, capabilities),
-    }
+        .into())
+    })
+}
+
+/// Runs `work` where naga's recursion has room; an error where it panicked.
+pub(crate) fn with_room<T: Send>(work: impl Fn() -> T + Sync) -> thread::Result<T> {
+    thread::scope(|scope| {
+        let deep = thread::Builder::new()
+            .name("volgraph-shader-check".to_owned())
+            .stack_size(STACK_BYTES)
+            .spawn_scoped(scope, &work);
+        match deep {
+            Ok(deep) => deep.join(),
+            // Where there are no threads, the caller's stack must do.
+            Err(_) => Ok(work()),
+        }
+    })
 }
 
 /// Links one file (a library, a slot's choice or a node; a path relative to the current folder or to a root)

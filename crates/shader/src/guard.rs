@@ -22,6 +22,7 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Function, ShaderStage};
 use volgraph_report::{Finding, Findings, Place};
 
+use crate::check::with_room;
 use crate::{Module, diagnose};
 use code::{Code, Shared};
 use facts::{Facts, Reach};
@@ -92,7 +93,21 @@ pub struct Guarded {
 #[must_use]
 pub fn guard(module: &Module, request: GuardRequest<'_>, capabilities: Capabilities) -> Guarded {
     let max_steps = request.max_steps.clamp(1, MOST_STEPS);
-    let original = |unguarded: Option<String>| Guarded {
+    let guarded = with_room(|| {
+        let original = || original(module, max_steps, None);
+        guard_here(module, request, max_steps, capabilities)
+            .map(|done| done.unwrap_or_else(original))
+    });
+    let why = match guarded {
+        Ok(Ok(guarded)) => return guarded,
+        Ok(Err(why)) => why,
+        Err(_) => "the guard failed on this shader".to_owned(),
+    };
+    original(module, max_steps, Some(why))
+}
+
+fn original(module: &Module, max_steps: u32, unguarded: Option<String>) -> Guarded {
+    Guarded {
         module: module.naga.clone(),
         info: module.info.clone(),
         sites: Vec::new(),
@@ -100,36 +115,42 @@ pub fn guard(module: &Module, request: GuardRequest<'_>, capabilities: Capabilit
         entries_with_sites: Vec::new(),
         max_steps,
         unguarded,
-    };
+    }
+}
+
+/// `None` where there is nothing to guard.
+///
+/// # Errors
+/// Why it cannot be guarded.
+fn guard_here(
+    module: &Module,
+    request: GuardRequest<'_>,
+    max_steps: u32,
+    capabilities: Capabilities,
+) -> Result<Option<Guarded>, String> {
     let missing = request.entries.iter().find(|name| {
         let mut known = module.naga.entry_points.iter();
         !known.any(|entry| entry.name == **name)
     });
     if let Some(name) = missing {
-        return original(Some(format!("there is no entry point `{name}`")));
+        return Err(format!("there is no entry point `{name}`"));
     }
     let reach = Reach::new(&module.naga, request.entries);
     if !reach.has_work() {
-        return original(None);
+        return Ok(None);
     }
     let Some(binding) = free_binding(&module.naga) else {
-        return original(Some(format!(
-            "all binding numbers of @group({GROUP}) are taken"
-        )));
+        return Err(format!("all binding numbers of @group({GROUP}) are taken"));
     };
     let mut shared = Shared::new(module, max_steps, binding);
     rewrite(&mut shared, &reach, request.entries);
     let (naga, sites, counters) = shared.finish();
-    let info = match Validator::new(ValidationFlags::all(), capabilities).validate(&naga) {
-        Ok(info) => info,
-        Err(error) => {
+    let info = Validator::new(ValidationFlags::all(), capabilities)
+        .validate(&naga)
+        .map_err(|error| {
             let finding = diagnose::validation_error(&module.linked, &naga, &error);
-            return original(Some(format!(
-                "naga refuses the guarded module: {}",
-                finding.message
-            )));
-        }
-    };
+            format!("naga refuses the guarded module: {}", finding.message)
+        })?;
     let entries_with_sites: Vec<String> = naga
         .entry_points
         .iter()
@@ -140,7 +161,7 @@ pub fn guard(module: &Module, request: GuardRequest<'_>, capabilities: Capabilit
         })
         .map(|(_, entry)| entry.name.clone())
         .collect();
-    Guarded {
+    Ok(Some(Guarded {
         binding: counters.map(|_| (GROUP, binding)),
         module: naga,
         info,
@@ -148,7 +169,7 @@ pub fn guard(module: &Module, request: GuardRequest<'_>, capabilities: Capabilit
         entries_with_sites,
         max_steps,
         unguarded: None,
-    }
+    }))
 }
 
 fn rewrite(shared: &mut Shared<'_>, reach: &Reach, entries: &[&str]) {

@@ -8,7 +8,8 @@
 mod apply;
 mod change;
 
-use std::path::Path;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use volgraph_gpu::{
@@ -65,6 +66,8 @@ pub struct Session {
     wanted: Overrides,
     /// What the last attempt read.
     dependencies: Dependencies,
+    /// Files whose change was refused, until a change of files is taken.
+    pending: BTreeSet<PathBuf>,
     /// Why the last change was refused.
     refused: Option<Findings>,
     /// Why the device was made again, until it is told.
@@ -211,6 +214,7 @@ impl Session {
                 stance,
                 view,
             },
+            pending: BTreeSet::new(),
             refused: None,
             remade: None,
         })
@@ -232,6 +236,12 @@ impl Session {
     #[must_use]
     pub fn adapter(&self) -> &AdapterSummary {
         self.runner.gpu().adapter()
+    }
+
+    /// How many objects of each kind are alive on the device ([`Gpu::live_objects`]).
+    #[must_use]
+    pub fn live_objects(&self) -> BTreeMap<&'static str, usize> {
+        self.runner.gpu().live_objects()
     }
 
     /// The current view.

@@ -154,8 +154,7 @@ impl Code<'_, '_> {
         )
     }
 
-    /// The same bits without a sign. A conversion and not a bitcast: naga cannot evaluate the latter where all is
-    /// constant, as it does for modules with overrides.
+    /// The same bits without a sign.
     fn unsigned(&mut self, expr: Handle<Expression>) -> Handle<Expression> {
         self.add(Expression::As {
             expr,

@@ -197,11 +197,12 @@ fn a_helper_of_two_entry_points_reports_in_both() {
          @vertex\nfn corner(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {\n\
          var x = 0u; while x < i { x++; } return vec4f(f32(helper(x))); }\n\
          @fragment\nfn pixel() -> @location(0) vec4f { return vec4f(f32(helper(3u))); }\n\
-         @compute @workgroup_size(1)\nfn main() { _ = helper(5u); }\n",
+         @compute @workgroup_size(1)\nfn main() { _ = helper(5u); apart(); }\n\
+         fn apart() { loop { break; } }\n",
     );
     let module = files.check().unwrap();
     let both = guard_in(&module, &["pixel", "main"]);
-    assert_eq!(both.sites.len(), 1);
+    assert_eq!(both.sites.len(), 2);
     assert_eq!(both.entries_with_sites, ["pixel", "main"]);
     assert_eq!(wgsl(&both).matches("atomicAdd").count(), 2);
 
@@ -214,9 +215,10 @@ fn a_helper_of_two_entry_points_reports_in_both() {
     assert!(vertex.contains(SPEND) && !vertex.contains("guard_entered"));
     assert!(!vertex.contains("guard_counters"));
 
-    // Entry points that a pass does not run are not touched.
+    // What a pass does not run is not touched.
     let main = &text[text.find("fn main").unwrap()..];
     assert!(!main.contains("guard_"), "{main}");
+    assert!(text.contains("fn apart() { loop { break; } return; }"));
 
     let vertex = guard_in(&module, &["corner"]);
     assert!(vertex.sites.is_empty());
@@ -299,4 +301,13 @@ fn budgets_are_brought_into_their_range() {
             &format!("var<private> guard_steps: u32 = {given}u;"),
         );
     }
+}
+
+#[test]
+fn long_chains_of_branches_do_not_run_out_of_stack() {
+    let mut body = "loop { break; } if id.x == 0u { }".to_owned();
+    for number in 0..5000 {
+        body += &format!(" else if id.x == {number}u {{ }}");
+    }
+    assert_eq!(compute("", &body).sites.len(), 1);
 }

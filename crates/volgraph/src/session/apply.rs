@@ -45,9 +45,17 @@ impl Session {
         progress: &dyn SourceProgress,
     ) -> Result<Outcome, Refused> {
         let mut report = ChangeReport::default();
+        let whole = self.with_pending(change);
         let tried = self
             .revive()
-            .and_then(|()| self.attempt(change, &mut report, progress));
+            .and_then(|()| self.attempt(&whole, &mut report, progress));
+        if let (Change::Files(changed), Change::Files(_)) = (whole, change) {
+            self.pending = if tried.is_ok() {
+                BTreeSet::new()
+            } else {
+                changed
+            };
+        }
         let result = match tried {
             Ok(None) => Ok(Outcome::Unchanged),
             Ok(Some((state, picture, wanted))) => {
@@ -82,6 +90,15 @@ impl Session {
                     device_remade,
                 })
             }
+        }
+    }
+
+    /// A change of files with those of the changes that were refused since the last good one: what works has not seen
+    /// them yet.
+    fn with_pending(&self, change: &Change) -> Change {
+        match change {
+            Change::Files(changed) => Change::Files(changed | &self.pending),
+            other => other.clone(),
         }
     }
 
