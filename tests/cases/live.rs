@@ -274,8 +274,9 @@ fn random_edits(backend: &str, edits: usize, seed: u64) {
             "{backend}: {before} bytes resident after {} edits, {after} after {edits}",
             edits / 10
         );
+        // Heaps and drivers keep some of what they once had; nine times as many edits add next to nothing to this.
         assert!(
-            after < before + before / 10,
+            after < before + (8 << 20),
             "{backend}: {before} bytes became {after}"
         );
     }

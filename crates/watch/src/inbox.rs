@@ -83,7 +83,7 @@ impl Inbox {
 
     /// Takes an event from the platform's thread.
     pub(crate) fn receive(&self, event: notify::Result<Event>) {
-        let Some(change) = event.map_or(Some(Change::Lost), |event| Change::of(event)) else {
+        let Some(change) = event.map_or(Some(Change::Lost), Change::of) else {
             return;
         };
         let now = Instant::now();

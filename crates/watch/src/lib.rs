@@ -17,6 +17,8 @@ mod record;
 mod route;
 mod stamp;
 mod subject;
+#[cfg(test)]
+mod tests;
 mod wait;
 mod watch;
 

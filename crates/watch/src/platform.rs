@@ -65,6 +65,20 @@ impl Platform {
         Self::of(Err(reason.into()))
     }
 
+    /// This watcher, whose thread holds the sender's end.
+    #[cfg(test)]
+    pub(crate) fn with(
+        watcher: Box<dyn Watcher + Send>,
+        name: &'static str,
+        ended: Receiver<()>,
+    ) -> Self {
+        Self::of(Ok(Events {
+            watcher,
+            name,
+            ended,
+        }))
+    }
+
     fn of(events: Result<Events, String>) -> Self {
         Self {
             events,

@@ -63,8 +63,13 @@ impl Map {
                 .entry(entry.clone())
                 .or_insert_with(|| Kind::of(&entry));
             let is_last = rest.is_empty();
-            let plain_folder_in_root = matches!(kind, Kind::Folder) && real.parent().is_none();
-            if !plain_folder_in_root {
+            // macOS tells of everything below a watched folder, and its own links in the root (`/tmp`) stay.
+            let stays = match kind {
+                Kind::Folder => true,
+                Kind::Link(_) => cfg!(target_os = "macos"),
+                Kind::Other => false,
+            };
+            if !(stays && real.parent().is_none()) {
                 self.folders.entry(real.clone()).or_default().insert(index);
             }
             match kind {
@@ -157,7 +162,10 @@ fn split(path: &Path) -> (PathBuf, VecDeque<OsString>) {
 /// event too many costs a comparison, one too few loses a change.
 #[cfg(any(windows, target_os = "macos"))]
 pub(crate) fn key(path: PathBuf) -> PathBuf {
-    path.to_str().map_or(path.clone(), str::to_lowercase).into()
+    match path.to_str() {
+        Some(text) => text.to_lowercase().into(),
+        None => path,
+    }
 }
 
 #[cfg(not(any(windows, target_os = "macos")))]

@@ -21,7 +21,7 @@ pub(crate) struct Subject {
 #[derive(Debug)]
 enum Kind {
     File {
-        record: Record,
+        record: Box<Record>,
         looked: Option<Look>,
         /// What the record is to become when the difference is told.
         next: Option<Seen>,
@@ -55,7 +55,7 @@ impl Found {
 impl Subject {
     pub(crate) fn file(path: PathBuf, seen: Seen, named: bool) -> Self {
         let kind = Kind::File {
-            record: Record::new(seen, named),
+            record: Box::new(Record::new(seen, named)),
             looked: None,
             next: None,
         };
@@ -120,14 +120,18 @@ impl Subject {
         }
     }
 
-    /// Compares, and notes what differs.
+    /// Compares, and notes what differs. `trusting` believes a look that stands, as there was no event of it.
     pub(crate) fn examine(&mut self, trusting: bool, last_event: Instant) {
         let differences = self.compare(trusting);
+        let before = self.found.take();
         if differences.is_none() {
-            self.found = None;
             return;
         }
-        let before = self.found.take().and_then(|found| found.complete_since);
+        let last_event = match &before {
+            Some(found) if trusting => found.last_event,
+            _ => last_event,
+        };
+        let before = before.and_then(|found| found.complete_since);
         let complete_since = if differences.complete.is_empty() {
             None
         } else {

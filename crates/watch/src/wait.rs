@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use crate::platform::Again;
+use crate::subject::Subject;
 use crate::watch::Burst;
 use crate::{FileWatch, WatchError};
 
@@ -91,9 +92,9 @@ impl FileWatch {
         let now = Instant::now();
         if self.next_recheck.is_some_and(|next| next <= now) {
             if self.platform.events().is_ok() {
-                let added = self.register(Again::Nothing);
-                if added {
-                    self.suspect_all();
+                if self.register(Again::Nothing) {
+                    let burst = self.burst.get_or_insert_with(|| Burst::new(now));
+                    burst.suspect_all(self.subjects.len());
                 }
                 for index in 0..self.subjects.len() {
                     self.look_at(index);
@@ -111,17 +112,11 @@ impl FileWatch {
         if stirred || subject.must_read() {
             let now = Instant::now();
             let burst = self.burst.get_or_insert_with(|| Burst::new(now));
-            burst.last = now;
-            burst.walk |= stirred;
+            if stirred {
+                burst.last = now;
+                burst.walk = true;
+            }
             burst.suspect(index, false, now);
-        }
-    }
-
-    fn suspect_all(&mut self) {
-        let now = Instant::now();
-        let burst = self.burst.get_or_insert_with(|| Burst::new(now));
-        for index in 0..self.subjects.len() {
-            burst.suspect(index, true, now);
         }
     }
 
@@ -138,7 +133,8 @@ impl FileWatch {
             return false;
         };
         // What is polled has no events to tell that it is still being written.
-        let is_late = burst.first + self.options.longest_settle <= now;
+        let latest = burst.first.checked_add(self.options.longest_settle);
+        let is_late = latest.is_some_and(|latest| latest <= now);
         let mut still = true;
         for (index, suspect) in &mut burst.suspects {
             if !is_late && self.polled.contains(index) && self.subjects[*index].stirred() {
@@ -162,28 +158,22 @@ impl FileWatch {
 
     /// Compares what the burst has put under suspicion.
     fn examine(&mut self) {
-        let Some(burst) = &mut self.burst else { return };
-        let lost = burst.lost;
-        if burst.walk || lost {
-            let all = lost || !burst.replaced.is_empty();
-            let replaced = std::mem::take(&mut burst.replaced);
-            let again = if lost {
-                Again::Everything
-            } else {
-                Again::Below(replaced)
-            };
-            if self.register(again) || all {
-                self.suspect_all();
-            }
-            if lost {
-                for subject in &mut self.subjects {
-                    subject.name();
-                }
-            }
-        }
-        let Some(burst) = self.burst.take() else {
+        let Some(mut burst) = self.burst.take() else {
             return;
         };
+        self.signs_since.get_or_insert(burst.first);
+        if burst.walk || burst.lost {
+            let is_moved = burst.lost || !burst.replaced.is_empty();
+            let added = self.register(burst.again());
+            if added || is_moved {
+                burst.suspect_all(self.subjects.len());
+            }
+        }
+        if burst.lost {
+            for subject in &mut self.subjects {
+                subject.name();
+            }
+        }
         for (index, suspect) in burst.suspects {
             self.subjects[index].examine(suspect.trusting, suspect.last_event);
         }
@@ -202,17 +192,21 @@ impl FileWatch {
             let found = self.subjects.iter();
             found.filter_map(|subject| subject.found.as_ref())
         };
+        if found().next().is_none() {
+            self.signs_since = None;
+        }
         let since = found().filter_map(|found| found.complete_since).min()?;
         let waits = found().any(|found| !found.differences.missing.is_empty());
         if waits && since.checked_add(grace).is_none_or(|until| now < until) {
             return None;
         }
-        Some(
-            self.subjects
-                .iter_mut()
-                .flat_map(|subject| subject.tell())
-                .collect(),
-        )
+        self.told_since = self.signs_since.take();
+        Some(self.subjects.iter_mut().flat_map(Subject::tell).collect())
+    }
+
+    /// When the first sign came of what [`FileWatch::wait`] told last; `None` before it has told anything.
+    pub fn told_since(&self) -> Option<Instant> {
+        self.told_since
     }
 
     /// When to look again if no event comes.

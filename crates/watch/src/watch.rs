@@ -47,6 +47,9 @@ pub struct FileWatch {
     pub(crate) next_poll: Option<Instant>,
     pub(crate) next_recheck: Option<Instant>,
     pub(crate) burst: Option<Burst>,
+    /// The first sign of what may be told next, and of what was told last.
+    pub(crate) signs_since: Option<Instant>,
+    pub(crate) told_since: Option<Instant>,
 }
 
 /// Events that have not settled yet, and what they ask for.
@@ -84,11 +87,19 @@ impl Burst {
     }
 
     /// Which folders are to be watched anew for it.
-    pub(crate) fn again(self) -> Again {
+    pub(crate) fn again(&mut self) -> Again {
         if self.lost {
             Again::Everything
         } else {
-            Again::Below(self.replaced)
+            Again::Below(std::mem::take(&mut self.replaced))
+        }
+    }
+
+    /// Puts all of so many subjects under suspicion, though no event has named them.
+    pub(crate) fn suspect_all(&mut self, len: usize) {
+        let now = Instant::now();
+        for index in 0..len {
+            self.suspect(index, true, now);
         }
     }
 
@@ -125,6 +136,8 @@ impl FileWatch {
             next_poll: None,
             next_recheck: None,
             burst: None,
+            signs_since: None,
+            told_since: None,
         }
     }
 
@@ -160,9 +173,10 @@ impl FileWatch {
             .filter(|subject| subject.is_named())
             .map(|subject| subject.path.clone())
             .collect();
-        let again = self.burst.take().map_or(Again::Nothing, Burst::again);
+        let again = self.burst.as_mut().map_or(Again::Nothing, Burst::again);
+        let lost = self.burst.as_ref().is_some_and(|burst| burst.lost);
         let files = files.into_iter().map(|(path, seen)| {
-            let named = named.contains(&path);
+            let named = lost || named.contains(&path);
             Subject::file(path, seen, named)
         });
         self.subjects = files

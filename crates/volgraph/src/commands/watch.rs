@@ -228,7 +228,7 @@ impl Watcher<'_> {
             if let Some(paths) = watch.wait(tick)? {
                 return Ok(Changes {
                     paths,
-                    since: Instant::now(),
+                    since: watch.told_since().unwrap_or_else(Instant::now),
                 });
             }
         }

@@ -5,6 +5,7 @@
 mod bad_input;
 mod commands;
 mod planted;
+mod watch;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
