@@ -1,22 +1,23 @@
 //! From a linked text to a module that naga has validated, or to findings.
 //!
-//! naga parses the text; what stops it is mapped back to the author ([`crate::diagnose`]). Of a parsed module
-//! all clashing bindings, all faulty parameter docs and naga's first validation error are told together.
+//! A sound text is parsed and validated once. Where anything is wrong, [`crate::recover`] tries again and again, without
+//! what was found faulty, so that all clashing bindings, all faulty parameter docs and what naga would only find one by
+//! one are told together.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::sync::Arc;
 use std::thread;
 
-use naga::TypeInner;
 use naga::front::wgsl::{Frontend, Options};
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::valid::{Capabilities, ModuleInfo, ValidationError, ValidationFlags, Validator};
+use naga::{TypeInner, WithSpan};
 use volgraph_report::{Finding, Findings};
 
 use crate::layout::Layouts;
 use crate::link::{LinkRequest, link};
 use crate::params::doc::shader_param;
-use crate::{Linked, ParamSpec, ShaderRoots, diagnose};
+use crate::{Linked, ParamSpec, ShaderRoots, recover};
 
 /// naga recurses over declarations that refer to each other: room for the longest chain that
 /// a linked text of the largest size can have. Only what is touched is ever committed.
@@ -37,8 +38,9 @@ pub struct Module {
 /// Parses and validates a linked text.
 ///
 /// # Errors
-/// `wgsl-syntax` (the first of each file), `wgsl-type`, `wgsl-validation`, `name-clash`, `binding-clash`,
-/// `params-doc`, each at the author's places; `wgsl-internal` where naga itself fails.
+/// `wgsl-syntax` (the first of each file), `wgsl-type` and `wgsl-validation` (the first of each function and
+/// declaration), `name-clash`, `binding-clash`, `params-doc`, each at the author's places, with the imports on the way
+/// there; `wgsl-internal` where naga itself fails.
 pub fn check(
     linked: impl Into<Arc<Linked>>,
     capabilities: Capabilities,
@@ -82,39 +84,53 @@ pub fn check_file(
 }
 
 fn check_here(linked: &Arc<Linked>, capabilities: Capabilities) -> Result<Module, Findings> {
-    let naga = parse(&linked.text, capabilities)
-        .map_err(|error| diagnose::parse_error(linked, &error, capabilities))?;
-    let mut findings = binding_clashes(linked, &naga);
-    let params: Vec<ParamSpec> = linked
-        .params
-        .iter()
-        .filter_map(|param| {
-            let inner = params_member(&naga, &param.name)?;
-            findings.take_all(shader_param(
-                linked,
-                param,
-                &Layouts::new(&naga, linked).member_type(inner),
-            ))
-        })
-        .collect();
-    let info = Validator::new(ValidationFlags::all(), capabilities)
-        .validate(&naga)
-        .map_err(|error| diagnose::validation_error(linked, &naga, &error));
-    match info {
-        Ok(info) => findings.into_result(Module {
+    if let Ok(naga) = parse(&linked.text, capabilities)
+        && let Ok(info) = validate(&naga, capabilities)
+        && let Ok(params) = declarations(linked, &naga)
+    {
+        return Ok(Module {
             naga,
             info,
             linked: Arc::clone(linked),
             params,
-        }),
-        Err(finding) => {
-            // Two bindings that clash are told already, with both places.
-            if finding.code != diagnose::BINDING_COLLISION || findings.is_empty() {
-                findings.push(finding);
-            }
-            Err(findings)
-        }
+        });
     }
+    let findings = recover::all_errors(linked, capabilities);
+    Err(findings
+        .into_iter()
+        .map(|finding| linked.with_imports(finding))
+        .collect())
+}
+
+/// The parameters; or all clashing bindings and all faulty parameter docs.
+pub(crate) fn declarations(
+    linked: &Linked,
+    module: &naga::Module,
+) -> Result<Vec<ParamSpec>, Findings> {
+    let mut findings = binding_clashes(linked, module);
+    let params = linked
+        .params
+        .iter()
+        .filter_map(|param| {
+            let inner = params_member(module, &param.name)?;
+            findings.take_all(shader_param(
+                linked,
+                param,
+                &Layouts::new(module, linked).member_type(inner),
+            ))
+        })
+        .collect();
+    findings.into_result(params)
+}
+
+/// Validates a module as [`check`] does.
+pub(crate) fn validate(
+    module: &naga::Module,
+    capabilities: Capabilities,
+) -> Result<ModuleInfo, Box<WithSpan<ValidationError>>> {
+    Validator::new(ValidationFlags::all(), capabilities)
+        .validate(module)
+        .map_err(Box::new)
 }
 
 /// Parses WGSL as [`check`] does.

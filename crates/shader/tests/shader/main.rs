@@ -4,6 +4,7 @@ mod check;
 mod fuzz;
 mod link;
 mod params;
+mod recover;
 mod reflect;
 mod uniform;
 
