@@ -12,7 +12,7 @@ use std::thread;
 use naga::front::wgsl::{Frontend, Options};
 use naga::valid::{Capabilities, ModuleInfo, ValidationError, ValidationFlags, Validator};
 use naga::{TypeInner, WithSpan};
-use volgraph_report::{Finding, Findings};
+use volgraph_report::{Finding, Findings, Place};
 
 use crate::layout::Layouts;
 use crate::link::{LinkRequest, link};
@@ -33,6 +33,29 @@ pub struct Module {
     /// The text it was made of.
     pub linked: Arc<Linked>,
     pub(crate) params: Vec<ParamSpec>,
+}
+
+impl Module {
+    /// The names of all functions, entry points included.
+    pub fn function_names(&self) -> impl Iterator<Item = &str> {
+        let functions = self.naga.functions.iter();
+        functions
+            .filter_map(|(_, function)| function.name.as_deref())
+            .chain(
+                self.naga
+                    .entry_points
+                    .iter()
+                    .map(|point| point.name.as_str()),
+            )
+    }
+
+    /// Where the name of this function stands.
+    #[must_use]
+    pub fn function_place(&self, name: &str) -> Option<Place> {
+        self.function_names()
+            .find(|known| *known == name)
+            .and_then(|name| self.linked.declaration_place(name))
+    }
 }
 
 /// Parses and validates a linked text.

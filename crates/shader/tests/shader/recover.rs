@@ -1,6 +1,11 @@
 //! All errors of one edit at their places, and none that is only a consequence.
 
+use std::path::Path;
+use std::sync::Arc;
+
+use naga::valid::Capabilities;
 use volgraph_report::Finding;
+use volgraph_shader::{DiskFiles, LinkRequest, MemoryFiles, ShaderRoots, check, link};
 
 use crate::{Files, start};
 
@@ -10,18 +15,24 @@ fn all(files: &Files) -> Vec<Finding> {
     findings.sorted().into_iter().cloned().collect()
 }
 
-/// The findings of one text must have these codes, each at the first place where its needle stands.
-fn assert_all(text: &str, expected: &[(&str, &str)]) {
-    let files = Files::one(text);
-    let found: Vec<_> = all(&files)
+/// Codes, files, lines and columns of all findings.
+fn places(files: &Files) -> Vec<(&'static str, (String, u32, u32))> {
+    let place = |finding: &Finding| start(finding.place.as_ref().expect("a place"));
+    let found = all(files);
+    found
         .iter()
-        .map(|finding| (finding.code, start(finding.place.as_ref().unwrap())))
-        .collect();
+        .map(|finding| (finding.code, place(finding)))
+        .collect()
+}
+
+/// The findings of one text must have these codes, each at the first place where its needle stands.
+fn assert_all(text: &str, expected: &[(&'static str, &str)]) {
+    let files = Files::one(text);
     let expected: Vec<_> = expected
         .iter()
         .map(|(code, needle)| (*code, start(&files.place("shaders/a.wgsl", needle))))
         .collect();
-    assert_eq!(found, expected, "{text}\n{}", files.check().unwrap_err());
+    assert_eq!(places(&files), expected, "{text}\n{:?}", all(&files));
 }
 
 #[test]
@@ -36,13 +47,9 @@ fn each_function_of_each_file_tells_its_first_error() {
             "fn b() -> f32 {\n    let x: i32 = 1.5f;\n    return missing;\n}\nfn d() -> f32 { return 1u; }\n",
         ),
     ]);
-    let found: Vec<_> = all(&files)
-        .iter()
-        .map(|finding| (finding.code, start(finding.place.as_ref().unwrap())))
-        .collect();
     let at = |file: &str, line, column| (file.to_owned(), line, column);
     assert_eq!(
-        found,
+        places(&files),
         [
             ("wgsl-type", at("shaders/a.wgsl", 2, 30)),
             ("wgsl-type", at("shaders/a.wgsl", 3, 28)),
@@ -268,4 +275,54 @@ fn a_finding_tells_how_its_file_came_in() {
         all(&Files::one("fn c() -> f32 { return nope; }"))[0].import_note(),
         None
     );
+}
+
+/// Each declaration of a real shader is broken in turn: one finding, at the place of the mistake.
+#[test]
+fn one_mistake_in_a_real_shader_is_one_finding() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shaders");
+    let request = [
+        ("reconstruct", "trilinear"),
+        ("traverse", "uniform"),
+        ("technique", "dvr"),
+        ("classify", "preintegrated_2d"),
+        ("gradient", "stored"),
+        ("gradient_storage", "rgba8"),
+        ("light", "phong"),
+        ("behind", "texture"),
+        ("volume_filter", "loads"),
+    ]
+    .into_iter()
+    .fold(
+        LinkRequest::new("node/raycast.wgsl"),
+        |request, (slot, choice)| request.slot(slot, choice),
+    );
+    let roots = |files: MemoryFiles| ShaderRoots::new(Arc::new(files)).root(&root);
+    let linked = link(&roots(MemoryFiles::over(Arc::new(DiskFiles))), &request).unwrap();
+    let mistakes = [
+        ("fn ", "{", " let planted = mistake;"),
+        ("fn ", "(", "planted: mistake, "),
+        ("struct ", "{", " planted: mistake,"),
+        ("const ", " = ", "mistake + "),
+    ];
+    let mut count = 0;
+    for file in &linked.files {
+        for (keyword, mark, mistake) in mistakes {
+            let declarations = file.text.match_indices(keyword);
+            for (at, _) in declarations.filter(|(at, _)| file.text[..*at].ends_with('\n')) {
+                let at = at + file.text[at..].find(mark).unwrap() + mark.len();
+                let text = [&file.text[..at], mistake, &file.text[at..]].concat();
+                let start = at + mistake.find("mistake").unwrap();
+                let edited = MemoryFiles::over(Arc::new(DiskFiles)).with(&file.path, text.clone());
+                let linked = link(&roots(edited), &request).unwrap();
+                let findings = check(linked, Capabilities::default()).unwrap_err();
+                let findings = findings.sorted();
+                let place = volgraph_report::Place::in_text(&file.path, &text, start, 7);
+                assert_eq!(findings.len(), 1, "{}: {findings:?}", file.path.display());
+                assert_eq!(findings[0].place.as_ref(), Some(&place));
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 50, "{count}");
 }

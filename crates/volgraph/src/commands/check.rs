@@ -8,7 +8,7 @@
 //! wherever the data is. All findings come at once, in the order of their places; errors alone give exit code 1.
 
 mod format;
-mod graphs;
+pub mod graphs;
 mod shaders;
 
 use std::collections::HashSet;
@@ -150,7 +150,8 @@ fn check_ron(path: &Path, graphs: &graphs::Checker<'_>) -> Findings {
     }
 }
 
-fn read(path: &Path) -> Result<String, Finding> {
+/// The text of a RON file of bearable length.
+pub fn read(path: &Path) -> Result<String, Finding> {
     let metadata = fs::metadata(path).map_err(|error| unreadable(path, &error))?;
     if metadata.len() > MAX_RON_BYTES {
         return Err(

@@ -25,7 +25,15 @@ pub fn summary(files: usize, findings: &Findings) -> String {
 pub fn json(findings: &Findings) -> Value {
     let objects = findings.sorted().into_iter().map(|finding| {
         let mut object = flat(finding.place.as_ref());
-        let related = finding.related.iter().map(|(place, note)| {
+        let imports = finding
+            .imported_by
+            .iter()
+            .map(|place| (place, "imported here"));
+        let related = finding
+            .related
+            .iter()
+            .map(|(place, note)| (place, note.as_str()));
+        let related = related.chain(imports).map(|(place, note)| {
             let mut related = flat(Some(place));
             related.insert("note".to_owned(), json!(note));
             Value::Object(related)
@@ -74,15 +82,20 @@ pub fn github(findings: &Findings) -> String {
             }
         }
         properties.push(format!("title={}", finding.code));
-        let help = finding
-            .help
-            .as_ref()
-            .map(|help| format!("; {help}"))
-            .unwrap_or_default();
+        let mut message = finding.message.clone();
+        if let Some(help) = &finding.help {
+            message += &format!("; {help}");
+        }
+        for (place, note) in &finding.related {
+            message += &format!("\n{place}: {note}");
+        }
+        if let Some(note) = finding.import_note() {
+            message += &format!("\n{note}");
+        }
         format!(
             "::{command} {}::{}",
             properties.join(","),
-            escaped(&format!("{}{help}", finding.message))
+            escaped(&message)
         )
     });
     lines.collect::<Vec<_>>().join("\n")
