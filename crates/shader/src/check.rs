@@ -12,7 +12,7 @@ use std::thread;
 use naga::front::wgsl::{Frontend, Options};
 use naga::valid::{Capabilities, ModuleInfo, ValidationError, ValidationFlags, Validator};
 use naga::{TypeInner, WithSpan};
-use volgraph_report::{Finding, Findings, Place};
+use volgraph_report::{Finding, Findings, Place, near_names};
 
 use crate::layout::Layouts;
 use crate::link::{LinkRequest, link};
@@ -55,6 +55,34 @@ impl Module {
         self.function_names()
             .find(|known| *known == name)
             .and_then(|name| self.linked.declaration_place(name))
+    }
+
+    /// The finding `missing-entry` for an entry point that is not there: at the function that may be meant, or at the
+    /// first line of the root.
+    #[must_use]
+    pub fn missing_entry(&self, entry: &str) -> Finding {
+        let message = format!("there is no entry point `{entry}`, which its node runs");
+        let finding = Finding::error("missing-entry", message);
+        let near = near_names(entry, self.function_names()).into_iter().next();
+        let finding = if let Some(place) = self.function_place(entry) {
+            let stage = "`@vertex`, `@fragment`, or `@compute` and `@workgroup_size(…)`";
+            finding
+                .at(place)
+                .help(format!("write {stage} before this function"))
+        } else if let Some((near, place)) = near.and_then(|n| Some((n, self.function_place(n)?))) {
+            finding
+                .at(place)
+                .help(format!("is `{near}` meant to be it?"))
+        } else {
+            let first = self.linked.files.last().map_or_else(
+                || self.linked.root_place(),
+                |file| Place::in_text(&file.path, &file.text, 0, file.text.len()),
+            );
+            finding
+                .at(first)
+                .help("declare it, as volgraph's own shader of this name does")
+        };
+        self.linked.with_imports(finding)
     }
 }
 

@@ -16,6 +16,9 @@ use crate::items::Items;
 use crate::statements::blamed_statement;
 use crate::{Linked, wording};
 
+/// What is noted at the declaration of a function whose call does not fit.
+pub const DECLARED_HERE: &str = "declared here";
+
 /// The code of a validation error that repeats a `binding-clash`.
 pub(crate) const BINDING_COLLISION: &str = "binding-clash";
 
@@ -213,7 +216,7 @@ pub(crate) fn validation_error(
         finding = finding.related(place, "this variable");
     }
     if let Some(place) = callee.and_then(|name| linked.declaration_place(name)) {
-        finding = finding.related(place, "declared here");
+        finding = finding.related(place, DECLARED_HERE);
     }
     let named = blamed_name(error.as_inner()).and_then(|name| linked.declaration_place(name));
     finding.or_at(|| named.unwrap_or_else(|| linked.root_place()))

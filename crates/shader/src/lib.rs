@@ -28,6 +28,7 @@ mod uniform;
 mod wording;
 
 pub use check::{Module, check, check_file};
+pub use diagnose::DECLARED_HERE;
 pub use files::{DiskFiles, MemoryFiles, ShaderFiles};
 pub use layout::{Member, MemberType, ScalarType, StructLayout};
 pub use link::{LinkRequest, link};

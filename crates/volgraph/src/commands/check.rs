@@ -48,7 +48,7 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     for path in files.iter().filter(|path| !is_wgsl(path)) {
         findings.extend(check_ron(path, &graphs));
     }
-    let findings = each_once(findings);
+    let findings = each_once(shaders::without_repeats(findings));
     match args.format {
         FindingFormat::Human if findings.is_empty() => {}
         FindingFormat::Human => output::report(&findings),

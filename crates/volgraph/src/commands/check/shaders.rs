@@ -10,8 +10,7 @@ use std::path::{Path, PathBuf};
 
 use naga::valid::Capabilities;
 use volgraph::{Finding, Findings, Place, Registry, ShaderFolders};
-use volgraph_report::near_names;
-use volgraph_shader::{LinkRequest, Module, check_file, link};
+use volgraph_shader::{DECLARED_HERE, LinkRequest, Module, check_file, link};
 
 use crate::commands::shader_tree::{Tree, slot_of, tree_of};
 
@@ -51,46 +50,18 @@ pub fn check(files: &[&Path], registry: &Registry, folders: &ShaderFolders) -> F
             findings.extend(checker.check_choice(choice));
         }
     }
-    without_repeats(findings)
-}
-
-/// At the function that may be meant, or at the file's first line.
-fn missing_entry(path: &Path, module: &Module, entry: &str) -> Finding {
-    let message = format!("there is no entry point `{entry}`, which its node runs");
-    let finding = Finding::error("missing-entry", message);
-    if let Some(place) = module.function_place(entry) {
-        let help = "write `@vertex`, `@fragment`, or `@compute` and `@workgroup_size`, before it";
-        return finding.at(place).help(help);
-    }
-    let near = near_names(entry, module.function_names())
-        .into_iter()
-        .next();
-    match near.and_then(|near| Some((near, module.function_place(near)?))) {
-        Some((near, place)) => finding
-            .at(place)
-            .help(format!("is `{near}` meant to be it?")),
-        None => {
-            let first = module
-                .linked
-                .files
-                .last()
-                .map(|file| Place::in_text(&file.path, &file.text, 0, file.text.len()));
-            finding
-                .at(first.unwrap_or_else(|| Place::whole_file(path)))
-                .help("declare it, as volgraph's own shader of this name does")
-        }
-    }
+    findings
 }
 
 /// What a choice lacks is told at the choice, and not once more at each place that calls for it.
-fn without_repeats(findings: Findings) -> Findings {
+pub fn without_repeats(findings: Findings) -> Findings {
     let told: Vec<Place> = (&findings)
         .into_iter()
         .filter(|finding| finding.code == SLOT_FUNCTION)
         .flat_map(|finding| finding.related.iter().map(|(place, _)| place.clone()))
         .collect();
     let is_repeat = |finding: &Finding| {
-        finding.code == "wgsl-type"
+        ["wgsl-type", "wgsl-validation"].contains(&finding.code)
             && finding
                 .place
                 .as_ref()
@@ -136,7 +107,7 @@ impl<'a> Checker<'a> {
             .filter(|program| folder.join(program.root) == path)
             .flat_map(|program| program.entries)
             .filter(|entry| entries.iter().all(|known| known.name != *entry))
-            .map(|entry| missing_entry(path, module, entry))
+            .map(|entry| module.missing_entry(entry))
             .collect()
     }
 
@@ -171,7 +142,25 @@ impl<'a> Checker<'a> {
             .message
             .strip_prefix("no definition in scope for identifier: `")
             .and_then(|rest| rest.split('`').next());
+        let declared = finding
+            .related
+            .iter()
+            .find(|(place, note)| note == DECLARED_HERE && place.file == choice.place.file);
         match (&finding.place, unknown) {
+            (Some(place), None) if place.file != choice.place.file && declared.is_some() => {
+                let message = format!(
+                    "the slot `{}` calls it otherwise than it is declared: {}",
+                    choice.slot, finding.message
+                );
+                let declared = declared.map(|(place, _)| place.clone());
+                Finding::error(SLOT_FUNCTION, message)
+                    .at(declared.unwrap_or_else(|| choice.place.clone()))
+                    .related(place.clone(), "called here")
+                    .help(format!(
+                        "declare it as the other choices in `slot/{}` do",
+                        choice.slot
+                    ))
+            }
             (Some(place), Some(name))
                 if place.file != choice.place.file && self.others_declare(choice, name) =>
             {
