@@ -401,37 +401,3 @@ fn comments_hold_no_imports_and_odd_line_ends_work() {
     let module = files.check().unwrap();
     assert_eq!(module.linked.files.len(), 2);
 }
-
-#[test]
-fn paths_and_slots_nearly_right_are_suggested() {
-    let help = |line: &str| {
-        let files = Files::new(&[
-            ("shaders/a.wgsl", line),
-            ("shaders/lib/ray.wgsl", ""),
-            ("shaders/lib/volume.wgsl", ""),
-        ]);
-        let request = LinkRequest::new("a.wgsl").slot("light", "none");
-        let findings = link(&files.roots(), &request).unwrap_err();
-        findings.sorted()[0].help.clone().unwrap_or_default()
-    };
-    for (line, near) in [
-        ("#import \"lib/rya.wgsl\"", "did you mean `lib/ray.wgsl`?"),
-        ("#import \"libs/ray.wgsl\"", "did you mean `lib/ray.wgsl`?"),
-        ("#import \"volume.wgsl\"", "did you mean `lib/volume.wgsl`?"),
-        (
-            "#import \"deep/er/volume.wgsl\"",
-            "did you mean `lib/volume.wgsl`?",
-        ),
-        (
-            "#import \"lib/quite_other.wgsl\"",
-            "known here: `lib/ray.wgsl`, `lib/volume.wgsl`",
-        ),
-        ("#import slot \"lihgt\"", "did you mean the slot `light`?"),
-        (
-            "#import slot \"quite_other\"",
-            "set it to a path that ends in `.wgsl`",
-        ),
-    ] {
-        assert_eq!(help(line), near, "{line}");
-    }
-}

@@ -3,6 +3,7 @@
 mod check;
 mod fuzz;
 mod link;
+mod names;
 mod params;
 mod recover;
 mod reflect;

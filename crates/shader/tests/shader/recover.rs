@@ -201,48 +201,6 @@ fn a_call_that_does_not_fit_is_blamed_not_what_it_calls() {
 }
 
 #[test]
-fn near_names_are_suggested() {
-    let help = |text: &str| all(&Files::one(text)).remove(0).help;
-    let struct_s = "struct Other { dapth: f32 }\nstruct S { color: vec3f, dept: f32 }\n";
-    for (text, near) in [
-        (
-            "fn f(distance: f32) -> f32 { return distnace; }",
-            Some("distance"),
-        ),
-        (
-            "fn f() { var<function> total = 1.0; total += totl; }",
-            Some("total"),
-        ),
-        (
-            "fn f() -> f32 { let later2 = 1.0; return laterr; let laterx = 1.0; }",
-            Some("later2"),
-        ),
-        ("fn f() -> f32 { return lenght(vec2f()); }", Some("length")),
-        ("fn f(a: vec3ff) { }", Some("vec3f")),
-        ("fn f() -> bool { return ture; }", Some("true")),
-        ("fn f() -> f32 { return x; } fn y() { }", None),
-        ("fn f() -> f32 { return quaternion; }", None),
-        ("fn f(s: S) -> f32 { return s.depth; }", Some("dept")),
-        (
-            "fn f(s: ptr<function, S>) -> f32 { return (*s).colr.x; }",
-            Some("color"),
-        ),
-        (
-            "fn f() -> vec3f { let s = S(); return s.colour; }",
-            Some("color"),
-        ),
-        ("fn f(v: vec3f) -> vec3f { return v.colr; }", None),
-        (
-            "struct Params { /// @default 1\n step: f32 } fn f() -> f32 { return params.stpe; }",
-            Some("step"),
-        ),
-    ] {
-        let expected = near.map(|near| format!("did you mean `{near}`?"));
-        assert_eq!(help(&format!("{struct_s}{text}")), expected, "{text}");
-    }
-}
-
-#[test]
 fn a_finding_tells_how_its_file_came_in() {
     let files = |c: &'static str| {
         Files::new(&[

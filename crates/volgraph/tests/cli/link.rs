@@ -35,9 +35,8 @@ fn a_shader_is_linked_with_its_imports_and_their_names() {
     assert_eq!(plain.code, Some(0));
     assert!(!plain.stdout.contains("// from ") && !plain.stdout.contains("#import"));
     assert!(plain.stdout.contains("shininess"), "{}", plain.stdout);
-    // A copy of what was printed is a shader of its own.
-    scratch.write("copy.wgsl", plain.stdout);
-    assert_eq!(scratch.run(&["check", "copy.wgsl"]).code, Some(0));
+    // What was printed is plain WGSL.
+    assert!(naga::front::wgsl::parse_str(&plain.stdout).is_ok());
 }
 
 #[test]
