@@ -129,7 +129,9 @@ mod tests {
         };
         let findings: Findings = [
             Finding::error("some-code", "100% wrong\nin two lines")
-                .at(place)
+                .at(place.clone())
+                .related(place.clone(), "50% here")
+                .imported_by(vec![place])
                 .help("do it"),
             Finding::warning("other", "of the whole").at(Place::whole_file(Path::new("z.ron"))),
         ]
@@ -137,7 +139,8 @@ mod tests {
         .collect();
         assert_eq!(
             github(&findings),
-            "::error file=a%2Cb%3Ac.wgsl,line=3,col=7,title=some-code::100%25 wrong%0Ain two lines; do it\n\
+            "::error file=a%2Cb%3Ac.wgsl,line=3,col=7,title=some-code::100%25 wrong%0Ain two lines; do it\
+             %0Aa,b:c.wgsl:3:7: 50%25 here%0Aimported by a,b:c.wgsl:3\n\
              ::warning file=z.ron,title=other::of the whole"
         );
         assert_eq!(summary(1, &findings), "1 file checked, 1 error, 1 warning");
