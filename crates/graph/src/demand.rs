@@ -103,13 +103,7 @@ fn program(node: &Node, spec: ProgramSpec, shaders: &ShaderLibrary) -> Result<Pr
         if known.iter().any(|point| point.name == entry) {
             bindings.insert(entry, module.used_bindings(entry));
         } else {
-            findings.push(
-                Finding::error(
-                    "missing-entry",
-                    format!("`{}` has no entry point `{entry}`", spec.root),
-                )
-                .at(Place::whole_file(spec.root)),
-            );
+            findings.push(module.missing_entry(entry));
         }
     }
     findings.into_result(Program {

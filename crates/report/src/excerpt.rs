@@ -87,6 +87,10 @@ fn render_one(
                 .annotation(annotation),
         );
     }
+    let import_note = finding.import_note();
+    if let Some(note) = &import_note {
+        group = group.element(Level::NOTE.message(note.as_str()));
+    }
     if let Some(help) = &finding.help {
         group = group.element(Level::HELP.message(help.as_str()));
     }

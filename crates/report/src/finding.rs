@@ -27,8 +27,10 @@ pub struct Finding {
     pub message: String,
     /// Where it is; `None` only where no file is involved.
     pub place: Option<Place>,
-    /// Other places that belong to it (the first declaration, the imports on the way), each with a note.
+    /// Other places that belong to it (the first declaration, say), each with a note.
     pub related: Vec<(Place, String)>,
+    /// How its file came in: the import of it, the import of that one's file, and so on to the root.
+    pub imported_by: Vec<Place>,
     /// The remedy, one sentence without a full stop.
     pub help: Option<String>,
 }
@@ -43,6 +45,7 @@ impl Finding {
             message: message.into(),
             place: None,
             related: Vec::new(),
+            imported_by: Vec::new(),
             help: None,
         }
     }
@@ -90,7 +93,36 @@ impl Finding {
         self.related.push((place, note.into()));
         self
     }
+
+    /// Sets how its file came in, the nearest import first.
+    #[must_use]
+    pub fn imported_by(mut self, chain: Vec<Place>) -> Self {
+        self.imported_by = chain;
+        self
+    }
+
+    /// How its file came in, as one line: `imported by b.wgsl:3, imported by a.wgsl:1`; `None` for a root.
+    #[must_use]
+    pub fn import_note(&self) -> Option<String> {
+        let shown = self
+            .imported_by
+            .iter()
+            .take(MAX_IMPORTS_SHOWN)
+            .map(|place| format!("imported by {}:{}", place.file.display(), place.line))
+            .collect::<Vec<_>>()
+            .join(", ");
+        match self.imported_by.len() {
+            0 => None,
+            count if count > MAX_IMPORTS_SHOWN => {
+                Some(format!("{shown}, … and {} more", count - MAX_IMPORTS_SHOWN))
+            }
+            _ => Some(shown),
+        }
+    }
 }
+
+/// Longer chains of imports are cut.
+const MAX_IMPORTS_SHOWN: usize = 8;
 
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -104,6 +136,9 @@ impl fmt::Display for Finding {
         write!(f, "{word}[{}]: {}", self.code, self.message)?;
         for (place, note) in &self.related {
             write!(f, "; {place}: {note}")?;
+        }
+        if let Some(note) = self.import_note() {
+            write!(f, "; {note}")?;
         }
         if let Some(help) = &self.help {
             write!(f, "; {help}")?;
@@ -138,13 +173,25 @@ impl Findings {
         result.map_err(|findings| self.extend(findings)).ok()
     }
 
-    /// All of them, in the order of their places, each once.
+    /// All of them, in the order of their places, each once: a file that several roots import has its faults once,
+    /// told with the first root's imports.
     #[must_use]
     pub fn sorted(&self) -> Vec<&Finding> {
         let mut all: Vec<_> = self.0.iter().collect();
         all.sort_by(|a, b| a.place.cmp(&b.place));
         let mut seen = std::collections::HashSet::new();
-        all.retain(|finding| seen.insert(*finding));
+        all.retain(|finding| {
+            let Finding {
+                severity,
+                code,
+                message,
+                place,
+                related,
+                imported_by: _,
+                help,
+            } = finding;
+            seen.insert((severity, code, message, place, related, help))
+        });
         all
     }
 
@@ -226,5 +273,50 @@ impl fmt::Display for Findings {
             write!(f, "{finding}")?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(file: &str, line: u32) -> Place {
+        Place {
+            file: file.into(),
+            line,
+            column: 1,
+            length: 1,
+        }
+    }
+
+    #[test]
+    fn one_fault_that_came_in_by_two_ways_is_told_once() {
+        let fault = Finding::error("some-code", "wrong").at(at("c.wgsl", 7));
+        let ways = [
+            vec![at("b.wgsl", 3), at("a.wgsl", 1)],
+            vec![at("d.wgsl", 2)],
+        ];
+        let findings: Findings = ways
+            .into_iter()
+            .map(|way| fault.clone().imported_by(way))
+            .collect();
+        assert_eq!(
+            findings.to_string(),
+            "c.wgsl:7:1: error[some-code]: wrong; imported by b.wgsl:3, imported by a.wgsl:1"
+        );
+        let other = fault.clone().help("do it");
+        let findings: Findings = [fault, other].into_iter().collect();
+        assert_eq!(findings.sorted().len(), 2);
+    }
+
+    #[test]
+    fn a_long_way_is_cut() {
+        let way = (1..=10).map(|line| at("a.wgsl", line)).collect();
+        let note = Finding::error("x", "y").imported_by(way).import_note();
+        assert!(
+            note.unwrap()
+                .ends_with("imported by a.wgsl:8, … and 2 more")
+        );
+        assert_eq!(Finding::error("x", "y").import_note(), None);
     }
 }

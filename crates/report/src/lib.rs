@@ -13,4 +13,4 @@ mod suggest;
 
 pub use finding::{Finding, Findings, Severity};
 pub use place::{Place, line_column};
-pub use suggest::{did_you_mean, list_names};
+pub use suggest::{did_you_mean, list_names, near_names};

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 use volgraph_report::{Finding, Findings, Place};
 
-use crate::linked::{Builder, Declared, MergedParam};
+use crate::linked::{Builder, Declared, MergedParam, import_chain};
 use crate::scan::Scan;
 use crate::{Linked, LinkedFile};
 
@@ -134,9 +134,11 @@ impl Assembler {
                 };
                 let name = file.text[range.clone()].to_owned();
                 if let Some(first) = merged.iter().find(|param| param.name == name) {
+                    let files = self.files.iter().map(|(file, _)| file);
                     self.findings.push(
                         Finding::error("params-clash", format!("the parameter `{name}` is declared twice"))
                             .at(place(&self.files, at, &range))
+                            .imported_by(import_chain(&files, &file.path))
                             .related(place(&self.files, first.file, &first.range), "first here")
                             .help("the members of all `struct Params` are merged: rename one, or move it to a file that both import"),
                     );

@@ -1,22 +1,23 @@
 //! From a linked text to a module that naga has validated, or to findings.
 //!
-//! naga parses the text; what stops it is mapped back to the author ([`crate::diagnose`]). Of a parsed module
-//! all clashing bindings, all faulty parameter docs and naga's first validation error are told together.
+//! A sound text is parsed and validated once. Where anything is wrong, [`crate::recover`] tries again and again, without
+//! what was found faulty, so that all clashing bindings, all faulty parameter docs and what naga would only find one by
+//! one are told together.
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::sync::Arc;
 use std::thread;
 
-use naga::TypeInner;
 use naga::front::wgsl::{Frontend, Options};
-use naga::valid::{Capabilities, ValidationFlags, Validator};
-use volgraph_report::{Finding, Findings};
+use naga::valid::{Capabilities, ModuleInfo, ValidationError, ValidationFlags, Validator};
+use naga::{TypeInner, WithSpan};
+use volgraph_report::{Finding, Findings, Place, near_names};
 
 use crate::layout::Layouts;
 use crate::link::{LinkRequest, link};
 use crate::params::doc::shader_param;
-use crate::{Linked, ParamSpec, ShaderRoots, diagnose};
+use crate::{Linked, ParamSpec, ShaderRoots, recover};
 
 /// naga recurses over declarations that refer to each other and over nested statements: room for the longest
 /// chain that a linked text of the largest size can have. Only what is touched is ever committed.
@@ -34,11 +35,63 @@ pub struct Module {
     pub(crate) params: Vec<ParamSpec>,
 }
 
+impl Module {
+    /// The names of all functions, entry points included.
+    pub fn function_names(&self) -> impl Iterator<Item = &str> {
+        let functions = self.naga.functions.iter();
+        functions
+            .filter_map(|(_, function)| function.name.as_deref())
+            .chain(
+                self.naga
+                    .entry_points
+                    .iter()
+                    .map(|point| point.name.as_str()),
+            )
+    }
+
+    /// Where the name of this function stands.
+    #[must_use]
+    pub fn function_place(&self, name: &str) -> Option<Place> {
+        self.function_names()
+            .find(|known| *known == name)
+            .and_then(|name| self.linked.declaration_place(name))
+    }
+
+    /// The finding `missing-entry` for an entry point that is not there: at the function that may be meant, or at the
+    /// first line of the root.
+    #[must_use]
+    pub fn missing_entry(&self, entry: &str) -> Finding {
+        let message = format!("there is no entry point `{entry}`, which its node runs");
+        let finding = Finding::error("missing-entry", message);
+        let near = near_names(entry, self.function_names()).into_iter().next();
+        let finding = if let Some(place) = self.function_place(entry) {
+            let stage = "`@vertex`, `@fragment`, or `@compute` and `@workgroup_size(…)`";
+            finding
+                .at(place)
+                .help(format!("write {stage} before this function"))
+        } else if let Some((near, place)) = near.and_then(|n| Some((n, self.function_place(n)?))) {
+            finding
+                .at(place)
+                .help(format!("is `{near}` meant to be it?"))
+        } else {
+            let first = self.linked.files.last().map_or_else(
+                || self.linked.root_place(),
+                |file| Place::in_text(&file.path, &file.text, 0, file.text.len()),
+            );
+            finding
+                .at(first)
+                .help("declare it, as volgraph's own shader of this name does")
+        };
+        self.linked.with_imports(finding)
+    }
+}
+
 /// Parses and validates a linked text.
 ///
 /// # Errors
-/// `wgsl-syntax` (the first of each file), `wgsl-type`, `wgsl-validation`, `name-clash`, `binding-clash`,
-/// `params-doc`, each at the author's places; `wgsl-internal` where naga itself fails.
+/// `wgsl-syntax` (the first of each file), `wgsl-type` and `wgsl-validation` (the first of each function and
+/// declaration), `name-clash`, `binding-clash`, `params-doc`, each at the author's places, with the imports on the way
+/// there; `wgsl-internal` where naga itself fails.
 pub fn check(
     linked: impl Into<Arc<Linked>>,
     capabilities: Capabilities,
@@ -87,39 +140,53 @@ pub fn check_file(
 }
 
 fn check_here(linked: &Arc<Linked>, capabilities: Capabilities) -> Result<Module, Findings> {
-    let naga = parse(&linked.text, capabilities)
-        .map_err(|error| diagnose::parse_error(linked, &error, capabilities))?;
-    let mut findings = binding_clashes(linked, &naga);
-    let params: Vec<ParamSpec> = linked
-        .params
-        .iter()
-        .filter_map(|param| {
-            let inner = params_member(&naga, &param.name)?;
-            findings.take_all(shader_param(
-                linked,
-                param,
-                &Layouts::new(&naga, linked).member_type(inner),
-            ))
-        })
-        .collect();
-    let info = Validator::new(ValidationFlags::all(), capabilities)
-        .validate(&naga)
-        .map_err(|error| diagnose::validation_error(linked, &naga, &error));
-    match info {
-        Ok(info) => findings.into_result(Module {
+    if let Ok(naga) = parse(&linked.text, capabilities)
+        && let Ok(info) = validate(&naga, capabilities)
+        && let Ok(params) = declarations(linked, &naga)
+    {
+        return Ok(Module {
             naga,
             info,
             linked: Arc::clone(linked),
             params,
-        }),
-        Err(finding) => {
-            // Two bindings that clash are told already, with both places.
-            if finding.code != diagnose::BINDING_COLLISION || findings.is_empty() {
-                findings.push(finding);
-            }
-            Err(findings)
-        }
+        });
     }
+    let findings = recover::all_errors(linked, capabilities);
+    Err(findings
+        .into_iter()
+        .map(|finding| linked.with_imports(finding))
+        .collect())
+}
+
+/// The parameters; or all clashing bindings and all faulty parameter docs.
+pub(crate) fn declarations(
+    linked: &Linked,
+    module: &naga::Module,
+) -> Result<Vec<ParamSpec>, Findings> {
+    let mut findings = binding_clashes(linked, module);
+    let params = linked
+        .params
+        .iter()
+        .filter_map(|param| {
+            let inner = params_member(module, &param.name)?;
+            findings.take_all(shader_param(
+                linked,
+                param,
+                &Layouts::new(module, linked).member_type(inner),
+            ))
+        })
+        .collect();
+    findings.into_result(params)
+}
+
+/// Validates a module as [`check`] does.
+pub(crate) fn validate(
+    module: &naga::Module,
+    capabilities: Capabilities,
+) -> Result<ModuleInfo, Box<WithSpan<ValidationError>>> {
+    Validator::new(ValidationFlags::all(), capabilities)
+        .validate(module)
+        .map_err(Box::new)
 }
 
 /// Parses WGSL as [`check`] does.

@@ -2,7 +2,7 @@
 //!
 //! The way of the data: [`ShaderRoots`] finds files, [`link()`] follows their imports into one [`Linked`] text
 //! that knows the author's place of each byte, [`check()`] gives that text to naga and turns what naga says
-//! into findings at the author's places. The [`Module`] it returns answers what a render graph asks: entry
+//! into findings at the author's places, all that one edit made where naga would stop at the first. The [`Module`] it returns answers what a render graph asks: entry
 //! points, the bindings that one really uses, overrides, [`params`] and struct layouts. [`UniformWriter`]
 //! fills a uniform buffer by member names. For live editing, [`guard()`] rewrites a module so that each
 //! invocation ends and tells where it went wrong. Nothing here touches a GPU.
@@ -12,20 +12,26 @@ mod check;
 mod diagnose;
 mod files;
 mod guard;
+mod items;
 mod layout;
 mod link;
 mod linked;
 mod lookup;
+mod names;
 pub mod params;
+mod recover;
 mod reflect;
 mod roots;
 mod scan;
+mod silent;
 mod snapshot;
 mod statements;
 mod token;
 mod uniform;
+mod wording;
 
 pub use check::{Module, check, check_file};
+pub use diagnose::DECLARED_HERE;
 pub use files::{DiskFiles, MemoryFiles, ShaderFiles};
 pub use guard::{GuardRequest, GuardSite, Guarded, Hazard, guard};
 pub use layout::{Member, MemberType, ScalarType, StructLayout};

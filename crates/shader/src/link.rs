@@ -133,21 +133,19 @@ impl Linker<'_> {
         if self.path.len() >= MAX_IMPORT_DEPTH {
             let message = format!("imports go more than {MAX_IMPORT_DEPTH} files deep");
             let place = imported.unwrap_or_else(|| Place::whole_file(&display));
-            self.findings
-                .push(Finding::error("import-depth", message).at(place));
+            self.tell(Finding::error("import-depth", message).at(place));
             return;
         }
         self.seen.insert(canonical.clone(), false);
         self.path.push(Open {
             canonical: canonical.clone(),
             display: display.clone(),
-            imported,
+            imported: imported.clone(),
         });
         let scan = scan(&text);
         for (range, message) in &scan.bad_imports {
             let place = Place::in_text(&display, &text, range.start, range.len());
-            self.findings
-                .push(Finding::error("import-syntax", message).at(place));
+            self.tell(Finding::error("import-syntax", message).at(place));
         }
         for import in &scan.imports {
             let place = Place::in_text(&display, &text, import.range.start, import.range.len());
@@ -160,6 +158,7 @@ impl Linker<'_> {
             resolved: canonical.clone(),
             digest,
             text,
+            imported,
         };
         self.files.push((file, scan));
         self.seen.insert(canonical, true);
@@ -193,8 +192,15 @@ impl Linker<'_> {
         };
         match found {
             Ok(found) => self.visit(found, Some(place)),
-            Err(finding) => self.findings.push(finding.at(place)),
+            Err(finding) => self.tell(finding.at(place)),
         }
+    }
+
+    /// Keeps a finding about the file being visited.
+    fn tell(&mut self, finding: Finding) {
+        let open = self.path.iter().rev();
+        let chain = open.filter_map(|open| open.imported.clone()).collect();
+        self.findings.push(finding.imported_by(chain));
     }
 
     fn cycle(&mut self, canonical: &Path, display: &Path, imported: Option<Place>) {

@@ -18,6 +18,20 @@ pub struct LinkedFile {
     pub digest: [u8; 32],
     /// Its text, as read.
     pub text: String,
+    /// The import that it came in by, the first one; `None` for the root.
+    pub imported: Option<Place>,
+}
+
+/// How a file came in: its import, the import of that one's file, and so on to the root.
+pub(crate) fn import_chain<'f>(
+    files: &(impl Iterator<Item = &'f LinkedFile> + Clone),
+    path: &Path,
+) -> Vec<Place> {
+    let importer = |path: &Path| {
+        let file = files.clone().find(|file| file.path == path)?;
+        file.imported.clone()
+    };
+    std::iter::successors(importer(path), |place| importer(&place.file)).collect()
 }
 
 /// A stretch of linked text that comes from one stretch of one file.
@@ -161,6 +175,16 @@ impl Linked {
     pub(crate) fn place_in(&self, file: usize, range: &Range<usize>) -> Place {
         let file = &self.files[file];
         Place::in_text(&file.path, &file.text, range.start, range.len())
+    }
+
+    /// The finding, with the imports on the way to its file.
+    pub(crate) fn with_imports(&self, finding: Finding) -> Finding {
+        let chain = finding
+            .place
+            .as_ref()
+            .map(|place| import_chain(&self.files.iter(), &place.file))
+            .unwrap_or_default();
+        finding.imported_by(chain)
     }
 
     /// The root file as a whole.

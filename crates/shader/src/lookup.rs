@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use volgraph_report::{Finding, did_you_mean, list_names};
+use volgraph_report::{Finding, did_you_mean, list_names, near_names};
 
 use crate::roots::{Found, NotFound};
 use crate::scan::is_plain_name;
@@ -21,6 +21,11 @@ pub(crate) fn find_choice(
             "slot-unset",
             format!("no choice is set for the slot `{slot}`"),
         );
+        let set = request.slots.keys().map(String::as_str);
+        if let Some(near) = near_names(slot, set).first() {
+            let help = format!("did you mean the slot `{near}`?");
+            return Err(Box::new(finding.help(help)));
+        }
         return Err(Box::new(if choices.is_empty() {
             finding.help("set it to a path that ends in `.wgsl`")
         } else {
@@ -108,16 +113,32 @@ fn list_paths(paths: &[PathBuf]) -> String {
     list_names(shown.iter().map(String::as_str))
 }
 
-/// Files like `path` in these folders.
+/// Folders of a root that a path may have missed.
+const FOLDERS: [&str; 3] = ["lib", "node", ""];
+
+/// Files like `path` in these folders: of the same name in another folder, or of nearly the same path.
 pub(crate) fn suggest(roots: &ShaderRoots, folders: &[PathBuf], path: &Path) -> Option<String> {
     let below = path.parent().unwrap_or(Path::new(""));
-    let known: Vec<String> = roots
-        .names_in(folders, below)
-        .into_iter()
-        .map(|name| below.join(name).display().to_string())
+    let names = |below: &Path| -> Vec<String> {
+        roots
+            .names_in(folders, below)
+            .into_iter()
+            .map(|name| below.join(name).display().to_string())
+            .collect()
+    };
+    let beside = names(below);
+    let elsewhere: Vec<String> = FOLDERS
+        .iter()
+        .map(Path::new)
+        .filter(|folder| *folder != below)
+        .flat_map(names)
         .collect();
-    did_you_mean(
-        &path.display().to_string(),
-        known.iter().map(String::as_str),
-    )
+    let shown = path.display().to_string();
+    let known = || beside.iter().chain(&elsewhere).map(String::as_str);
+    let near = near_names(&shown, known()).into_iter().next();
+    let namesake = || known().find(|known| Path::new(known).file_name() == path.file_name());
+    match near.or_else(namesake) {
+        Some(near) => Some(format!("did you mean `{near}`?")),
+        None => did_you_mean(&shown, beside.iter().map(String::as_str)),
+    }
 }

@@ -23,6 +23,8 @@ pub(crate) fn blamed_statement(module: &Module, error: &ValidationError) -> Opti
         }
         _ => return None,
     };
+    // The expression may have been made long before, as `let`; what counts is who takes it in the end.
+    let is_emitted = matches!(source, FunctionError::Expression { .. });
     let expression = match source {
         FunctionError::Expression { handle, .. }
         | FunctionError::InvalidIfType(handle)
@@ -37,10 +39,10 @@ pub(crate) fn blamed_statement(module: &Module, error: &ValidationError) -> Opti
         } => *handle,
         _ => return None,
     };
-    find(&function.body, expression)
+    find(&function.body, expression, is_emitted)
 }
 
-fn find(block: &Block, expression: Handle<Expression>) -> Option<Span> {
+fn find(block: &Block, expression: Handle<Expression>, is_emitted: bool) -> Option<Span> {
     block.span_iter().find_map(|(statement, span)| {
         let inner: Vec<&Block> = match statement {
             Statement::Block(block) => vec![block],
@@ -51,17 +53,22 @@ fn find(block: &Block, expression: Handle<Expression>) -> Option<Span> {
             } => vec![body, continuing],
             _ => Vec::new(),
         };
-        let own = || (takes(statement, expression) && span.is_defined()).then_some(*span);
+        let is_it = || match statement {
+            Statement::Emit(range) => {
+                is_emitted && range.clone().any(|emitted| emitted == expression)
+            }
+            _ => takes(statement, expression),
+        };
+        let own = || (is_it() && span.is_defined()).then_some(*span);
         inner
             .into_iter()
-            .find_map(|block| find(block, expression))
+            .find_map(|block| find(block, expression, is_emitted))
             .or_else(own)
     })
 }
 
 fn takes(statement: &Statement, expression: Handle<Expression>) -> bool {
     let taken = match statement {
-        Statement::Emit(range) => return range.clone().any(|emitted| emitted == expression),
         Statement::Call { arguments, .. } => return arguments.contains(&expression),
         Statement::Store { pointer, value } => [Some(*pointer), Some(*value)],
         Statement::ImageStore {

@@ -29,6 +29,11 @@ pub enum Command {
     Check(CheckArgs),
     /// Print a volume's dimensions, placement and statistics.
     Info(InfoArgs),
+    /// Print a shader with everything it imports as one WGSL text, each part with the file it comes from.
+    ///
+    /// Slots that are not named take the choices that the node kinds declare, or those of the graph. What is wrong with
+    /// the text goes to standard error, with exit code 1.
+    Link(LinkArgs),
     /// Compare two pictures: RMSE, maximum, 99.9th percentile, PSNR, FLIP.
     Compare(CompareArgs),
     /// List node kinds and source kinds with their ports and parameters.
@@ -211,6 +216,28 @@ pub struct InfoArgs {
     pub json: bool,
 }
 
+/// `volgraph link`.
+#[derive(ClapArgs, Debug)]
+pub struct LinkArgs {
+    /// A library, a slot's choice, a node's own shader (.wgsl), or a graph (.ron).
+    pub file: PathBuf,
+    /// Choose for a slot: a name, or a path that ends in .wgsl; may be given again.
+    #[arg(long = "slots", value_name = "SLOT=CHOICE", value_parser = parse_slot)]
+    pub slots: Vec<(String, String)>,
+    /// The kind of node whose shader imports FILE; for a graph, the name of a node.
+    #[arg(long, value_name = "KIND | NAME")]
+    pub node: Option<String>,
+    /// Where shaders are.
+    #[command(flatten)]
+    pub shaders: ShaderArgs,
+    /// Where volumes are.
+    #[command(flatten)]
+    pub data: DataArgs,
+    /// Print WGSL alone, without the comments that name files.
+    #[arg(long)]
+    pub plain: bool,
+}
+
 /// `volgraph compare`.
 #[derive(ClapArgs, Debug)]
 pub struct CompareArgs {
@@ -341,6 +368,15 @@ fn parse_bound(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(bound) if bound >= 0.0 => Ok(bound),
         _ => Err("give a number of at least 0".to_owned()),
+    }
+}
+
+fn parse_slot(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((slot, choice)) if !slot.is_empty() && !choice.is_empty() => {
+            Ok((slot.to_owned(), choice.to_owned()))
+        }
+        _ => Err("write it as SLOT=CHOICE, such as light=phong".to_owned()),
     }
 }
 

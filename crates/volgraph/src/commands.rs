@@ -6,9 +6,11 @@ mod check;
 mod compare;
 mod errors;
 mod info;
+mod link;
 mod nodes;
 mod plan;
 mod render;
+mod shader_tree;
 mod watch;
 
 use std::path::Path;
@@ -28,6 +30,7 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Plan(args) => plan::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Link(args) => link::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Nodes(args) => nodes::run(&args),
         Command::Adapters(args) => adapters::run(&args),

@@ -97,6 +97,7 @@ proptest! {
             let annotated = linked.annotated();
             prop_assert!(annotated.len() >= linked.text.len());
             if let Err(findings) = check(linked.clone(), Capabilities::default()) {
+                prop_assert!(findings.has_errors());
                 prop_assert!(findings.sorted().iter().all(|finding| finding.code != "wgsl-internal"), "{findings}");
                 for finding in &findings {
                     let place = finding.place.as_ref().expect("a place");

@@ -6,7 +6,9 @@ mod guard;
 mod guard_loads;
 mod guard_places;
 mod link;
+mod names;
 mod params;
+mod recover;
 mod reflect;
 mod uniform;
 

@@ -8,7 +8,7 @@
 //! wherever the data is. All findings come at once, in the order of their places; errors alone give exit code 1.
 
 mod format;
-mod graphs;
+pub mod graphs;
 mod shaders;
 
 pub use format::json;
@@ -50,7 +50,7 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     for path in files.iter().filter(|path| !is_wgsl(path)) {
         findings.extend(check_ron(path, &graphs));
     }
-    let findings = each_once(findings);
+    let findings = each_once(shaders::without_repeats(findings));
     match args.format {
         FindingFormat::Human if findings.is_empty() => {}
         FindingFormat::Human => output::report(&findings),
@@ -152,7 +152,8 @@ fn check_ron(path: &Path, graphs: &graphs::Checker<'_>) -> Findings {
     }
 }
 
-fn read(path: &Path) -> Result<String, Finding> {
+/// The text of a RON file of bearable length.
+pub fn read(path: &Path) -> Result<String, Finding> {
     let metadata = fs::metadata(path).map_err(|error| unreadable(path, &error))?;
     if metadata.len() > MAX_RON_BYTES {
         return Err(

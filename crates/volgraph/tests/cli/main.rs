@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod commands;
+mod link;
 mod planted;
 mod watch;
 

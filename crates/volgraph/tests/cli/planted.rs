@@ -1,199 +1,200 @@
 //! Errors planted into copies of volgraph's own shaders and graphs: `check` must name the author's own file, line and
 //! column. The place is where the needle stands in the planted text.
 
+mod table;
+
 use volgraph::Place;
 
+use self::table::{A, B, C, GRAPH, MINE, PLANTED, Planted};
 use crate::{Scratch, copy};
 
-struct Planted {
-    what: &'static str,
-    file: &'static str,
-    /// This text, which stands in the file, is replaced; an empty one stands at the end.
-    find: &'static str,
-    with: &'static str,
-    code: &'static str,
-    /// Where the finding must be.
-    needle: &'static str,
+/// volgraph's shaders with the author's files behind the technique, and a graph.
+fn sound() -> Scratch {
+    let scratch = Scratch::new();
+    copy("shaders", scratch.path());
+    for (name, text) in MINE {
+        scratch.write(name, text);
+    }
+    let technique = "shaders/slot/technique/dvr.wgsl";
+    let text = std::fs::read_to_string(scratch.path().join(technique)).unwrap();
+    let import = "#import slot \"light\"\n";
+    assert!(text.contains(import), "dvr has changed");
+    scratch.write(
+        technique,
+        text.replace(import, &format!("{import}#import \"mine/a.wgsl\"\n")),
+    );
+    let quickstart = std::fs::read_to_string(crate::root().join(GRAPH)).unwrap();
+    scratch.write(GRAPH, quickstart);
+    copy("graphs/transfer", scratch.path());
+    scratch
 }
 
-const PLANTED: [Planted; 13] = [
-    Planted {
-        what: "syntax",
-        file: "shaders/slot/technique/dvr.wgsl",
-        find: "let before = (*state).transmittance;",
-        with: "let before = ) (*state).transmittance;",
-        code: "wgsl-syntax",
-        needle: ") (*state).transmittance;",
-    },
-    Planted {
-        what: "type",
-        file: "shaders/slot/classify/post.wgsl",
-        find: "",
-        with: "\nfn classify_wrong() {\n    var count: i32 = vec3f(1.0);\n}\n",
-        code: "wgsl-type",
-        needle: "count: i32",
-    },
-    Planted {
-        what: "unknown name",
-        file: "shaders/slot/light/phong.wgsl",
-        find: "let to_eye = -ray.direction;",
-        with: "let to_eye = -rya.direction;",
-        code: "wgsl-type",
-        needle: "rya.direction",
-    },
-    Planted {
-        what: "name clash",
-        file: "shaders/lib/volume.wgsl",
-        find: "",
-        with: "\nfn ray_through() {}\n",
-        code: "name-clash",
-        needle: "ray_through() {}",
-    },
-    Planted {
-        what: "binding clash",
-        file: "shaders/slot/gradient/stored.wgsl",
-        find: "@group(1) @binding(4) var gradient_volume",
-        with: "@group(1) @binding(1) var gradient_volume",
-        code: "binding-clash",
-        needle: "gradient_volume: texture_3d",
-    },
-    Planted {
-        what: "missing import",
-        file: "shaders/slot/light/phong.wgsl",
-        find: "#import \"lib/volume.wgsl\"",
-        with: "#import \"lib/volumes.wgsl\"",
-        code: "missing-import",
-        needle: "#import \"lib/volumes.wgsl\"",
-    },
-    Planted {
-        what: "cyclic import",
-        file: "shaders/lib/frame.wgsl",
-        find: "struct Lens {",
-        with: "#import \"lib/ray.wgsl\"\nstruct Lens {",
-        code: "import-cycle",
-        needle: "#import \"lib/ray.wgsl\"",
-    },
-    Planted {
-        what: "unknown slot",
-        file: "shaders/slot/technique/dvr.wgsl",
-        find: "#import slot \"light\"",
-        with: "#import slot \"lihgt\"",
-        code: "slot-unset",
-        needle: "#import slot \"lihgt\"",
-    },
-    Planted {
-        what: "unknown choice",
-        file: "graphs/quickstart.ron",
-        find: "\"light\": \"phong\"",
-        with: "\"light\": \"phnog\"",
-        code: "unknown-choice",
-        needle: "\"phnog\"",
-    },
-    Planted {
-        what: "missing slot function",
-        file: "shaders/slot/reconstruct/nearest.wgsl",
-        find: "fn reconstruct_scalar(",
-        with: "fn reconstruct_scaler(",
-        code: "slot-function",
-        needle: "// The scalar at a point",
-    },
-    Planted {
-        what: "bad parameter doc",
-        file: "shaders/slot/traverse/uniform.wgsl",
-        find: "@default 1.0",
-        with: "@default one",
-        code: "params-doc",
-        needle: "one @range",
-    },
-    Planted {
-        what: "unknown uniform member",
-        file: "shaders/lib/volume.wgsl",
-        find: "struct Volume {",
-        with: "struct Volume {\n    temperature: f32,",
-        code: "uniform",
-        needle: "volume: Volume;",
-    },
-    Planted {
-        what: "validation",
-        file: "shaders/slot/technique/dvr.wgsl",
-        find: "",
-        with: "\nfn technique_wrong(x: f32) -> bool {\n    return x * 2.0;\n}\n",
-        code: "wgsl-validation",
-        needle: "x * 2.0;",
-    },
+const CHECK: [&str; 7] = [
+    "check",
+    "shaders",
+    "graphs",
+    "--shaders",
+    "shaders",
+    "--format",
+    "json",
 ];
+
+/// Plants a mistake; where it must be found.
+fn plant(planted: &Planted, scratch: &Scratch) -> Place {
+    let text = std::fs::read_to_string(scratch.path().join(planted.file)).unwrap();
+    assert!(
+        text.contains(planted.find),
+        "{}: {} has changed",
+        planted.what,
+        planted.file
+    );
+    let text = if planted.find.is_empty() {
+        text + planted.with
+    } else {
+        text.replacen(planted.find, planted.with, 1)
+    };
+    scratch.write(planted.file, &text);
+    let start = text.find(planted.needle).unwrap();
+    Place::in_text(planted.file.as_ref(), &text, start, 1)
+}
+
+/// The planted mistakes are found where they are, and nothing else is.
+fn verdict(planted: &Planted) -> Result<(), String> {
+    let scratch = sound();
+    let all: Vec<&Planted> = std::iter::once(planted).chain(planted.also).collect();
+    let places: Vec<Place> = all.iter().map(|each| plant(each, &scratch)).collect();
+    let run = scratch.run(&CHECK);
+    let json = run.json();
+    let found = json.as_array().unwrap();
+    let is_it = |finding: &serde_json::Value, (planted, place): (&&Planted, &Place)| {
+        finding["code"] == planted.code
+            && finding["file"] == planted.file
+            && finding["line"] == place.line
+            && finding["column"] == place.column
+            && planted.help.is_none_or(|help| finding["help"] == help)
+    };
+    let are_all = all
+        .iter()
+        .zip(&places)
+        .all(|wanted| found.iter().any(|finding| is_it(finding, wanted)));
+    let mut codes: Vec<_> = found.iter().filter_map(|f| f["code"].as_str()).collect();
+    let mut expected: Vec<_> = all
+        .iter()
+        .flat_map(|p| [p.code].into_iter().chain(p.more.iter().copied()))
+        .collect();
+    codes.sort_unstable();
+    expected.sort_unstable();
+    if run.code == Some(1) && are_all && codes == expected {
+        return Ok(());
+    }
+    let wanted: Vec<String> = all
+        .iter()
+        .zip(&places)
+        .map(|(planted, place)| format!("{} at {place}, {:?}", planted.code, planted.help))
+        .collect();
+    let listed: Vec<String> = found
+        .iter()
+        .map(|f| {
+            format!(
+                "{} {}:{}:{} {} {}",
+                f["code"], f["file"], f["line"], f["column"], f["message"], f["help"]
+            )
+        })
+        .collect();
+    Err(format!(
+        "{}: exit {:?}, expected\n  {}\nfound\n  {}",
+        planted.what,
+        run.code,
+        wanted.join("\n  "),
+        listed.join("\n  ")
+    ))
+}
 
 #[test]
 fn each_planted_error_is_found_where_its_author_put_it() {
-    let mut wrong = Vec::new();
-    for planted in &PLANTED {
-        let scratch = Scratch::new();
-        copy("shaders", scratch.path());
-        let quickstart =
-            std::fs::read_to_string(crate::root().join("graphs/quickstart.ron")).unwrap();
-        scratch.write("graphs/quickstart.ron", quickstart);
-        copy("graphs/transfer", scratch.path());
-        let text = std::fs::read_to_string(scratch.path().join(planted.file)).unwrap();
-        assert!(
-            text.contains(planted.find),
-            "{}: {} has changed",
-            planted.what,
-            planted.file
-        );
-        let text = if planted.find.is_empty() {
-            text + planted.with
-        } else {
-            text.replacen(planted.find, planted.with, 1)
-        };
-        scratch.write(planted.file, &text);
-        let run = scratch.run(&[
-            "check",
-            "shaders",
-            "graphs",
-            "--shaders",
-            "shaders",
-            "--format",
-            "json",
-        ]);
-        let start = text.find(planted.needle).unwrap();
-        let place = Place::in_text(planted.file.as_ref(), &text, start, 1);
-        let found = run.json();
-        let is_it = |finding: &serde_json::Value| {
-            finding["code"] == planted.code
-                && finding["file"] == planted.file
-                && finding["line"] == place.line
-                && finding["column"] == place.column
-        };
-        if run.code != Some(1) || !found.as_array().unwrap().iter().any(is_it) {
-            let listed: Vec<String> = found
-                .as_array()
-                .unwrap()
-                .iter()
-                .map(|f| {
-                    format!(
-                        "{} {}:{}:{} {}",
-                        f["code"], f["file"], f["line"], f["column"], f["message"]
-                    )
-                })
-                .collect();
-            wrong.push(format!(
-                "{}: exit {:?}, expected {} at {place}, found\n  {}",
-                planted.what,
-                run.code,
-                planted.code,
-                listed.join("\n  ")
-            ));
-        }
-    }
+    let wrong_of = |some: &[Planted]| -> Vec<String> {
+        let verdicts = some.iter().map(verdict);
+        verdicts.filter_map(Result::err).collect()
+    };
+    let wrong: Vec<String> = std::thread::scope(|scope| {
+        let parts = PLANTED.chunks(8);
+        let threads: Vec<_> = parts
+            .map(|part| scope.spawn(move || wrong_of(part)))
+            .collect();
+        threads
+            .into_iter()
+            .flat_map(|thread| thread.join().unwrap())
+            .collect()
+    });
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]
 fn without_a_planted_error_the_same_copy_passes() {
-    let scratch = Scratch::new();
-    copy("shaders", scratch.path());
-    let run = scratch.run(&["check", "shaders", "--format", "json"]);
+    let run = sound().run(&CHECK);
     assert_eq!((run.code, run.stdout.trim()), (Some(0), "[]"), "{run:?}");
+}
+
+/// A mistake three files deep, as people and programs see it.
+#[test]
+fn a_finding_tells_how_its_file_came_in() {
+    let scratch = sound();
+    let c = MINE[2].1.replace("state.depth", "state.dept");
+    scratch.write(C, c);
+    let run = scratch.run(&["check", "shaders/node", "--shaders", "shaders"]);
+    let expected = "\
+error[wgsl-type]: invalid field accessor `dept` (invalid accessor)
+ --> shaders/mine/c.wgsl:8:28
+  |
+8 |     let from_entry = state.dept + ray.near;
+  |                            ^^^^
+  |
+  = note: imported by shaders/mine/b.wgsl:3, imported by shaders/mine/a.wgsl:2, \
+imported by shaders/slot/technique/dvr.wgsl:5, imported by shaders/node/raycast.wgsl:7
+  = help: did you mean `depth`?
+";
+    assert_eq!(run.stderr, expected);
+    let run = scratch.run(&[
+        "check",
+        "shaders/node",
+        "--shaders",
+        "shaders",
+        "--format",
+        "json",
+    ]);
+    let json = run.json();
+    let related: Vec<_> = json[0]["related"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|r| {
+            (
+                r["file"].as_str().unwrap(),
+                r["line"].as_u64().unwrap(),
+                r["note"].as_str().unwrap(),
+            )
+        })
+        .collect();
+    assert_eq!(
+        related,
+        [
+            (B, 3, "imported here"),
+            (A, 2, "imported here"),
+            ("shaders/slot/technique/dvr.wgsl", 5, "imported here"),
+            ("shaders/node/raycast.wgsl", 7, "imported here"),
+        ]
+    );
+    let keys: Vec<_> = json[0]
+        .as_object()
+        .unwrap()
+        .keys()
+        .map(String::as_str)
+        .collect();
+    for key in [
+        "file", "line", "column", "length", "severity", "code", "message", "help", "related",
+    ] {
+        assert!(keys.contains(&key), "{key}: {keys:?}");
+    }
 }
 
 #[test]
@@ -226,10 +227,21 @@ fn a_choice_of_ones_own_is_checked_in_its_slot() {
     );
     let run = scratch.run(&["check", "mine", "--format", "json"]);
     assert_eq!(run.code, Some(1), "it fits no caller: {run:?}");
-    assert!(
-        run.stdout.contains("in the slot `reconstruct`"),
-        "{}",
-        run.stdout
+    let json = run.json();
+    assert_eq!(
+        (
+            &json[0]["code"],
+            &json[0]["file"],
+            &json[0]["line"],
+            &json[0]["column"]
+        ),
+        (
+            &"slot-function".into(),
+            &"mine/slot/reconstruct/one.wgsl".into(),
+            &2.into(),
+            &4.into()
+        ),
+        "{json}"
     );
 }
 

@@ -25,7 +25,15 @@ pub fn summary(files: usize, findings: &Findings) -> String {
 pub fn json(findings: &Findings) -> Value {
     let objects = findings.sorted().into_iter().map(|finding| {
         let mut object = flat(finding.place.as_ref());
-        let related = finding.related.iter().map(|(place, note)| {
+        let imports = finding
+            .imported_by
+            .iter()
+            .map(|place| (place, "imported here"));
+        let related = finding
+            .related
+            .iter()
+            .map(|(place, note)| (place, note.as_str()));
+        let related = related.chain(imports).map(|(place, note)| {
             let mut related = flat(Some(place));
             related.insert("note".to_owned(), json!(note));
             Value::Object(related)
@@ -74,15 +82,20 @@ pub fn github(findings: &Findings) -> String {
             }
         }
         properties.push(format!("title={}", finding.code));
-        let help = finding
-            .help
-            .as_ref()
-            .map(|help| format!("; {help}"))
-            .unwrap_or_default();
+        let mut message = finding.message.clone();
+        if let Some(help) = &finding.help {
+            message += &format!("; {help}");
+        }
+        for (place, note) in &finding.related {
+            message += &format!("\n{place}: {note}");
+        }
+        if let Some(note) = finding.import_note() {
+            message += &format!("\n{note}");
+        }
         format!(
             "::{command} {}::{}",
             properties.join(","),
-            escaped(&format!("{}{help}", finding.message))
+            escaped(&message)
         )
     });
     lines.collect::<Vec<_>>().join("\n")
@@ -116,7 +129,9 @@ mod tests {
         };
         let findings: Findings = [
             Finding::error("some-code", "100% wrong\nin two lines")
-                .at(place)
+                .at(place.clone())
+                .related(place.clone(), "50% here")
+                .imported_by(vec![place])
                 .help("do it"),
             Finding::warning("other", "of the whole").at(Place::whole_file(Path::new("z.ron"))),
         ]
@@ -124,7 +139,8 @@ mod tests {
         .collect();
         assert_eq!(
             github(&findings),
-            "::error file=a%2Cb%3Ac.wgsl,line=3,col=7,title=some-code::100%25 wrong%0Ain two lines; do it\n\
+            "::error file=a%2Cb%3Ac.wgsl,line=3,col=7,title=some-code::100%25 wrong%0Ain two lines; do it\
+             %0Aa,b:c.wgsl:3:7: 50%25 here%0Aimported by a,b:c.wgsl:3\n\
              ::warning file=z.ron,title=other::of the whole"
         );
         assert_eq!(summary(1, &findings), "1 file checked, 1 error, 1 warning");

@@ -16,6 +16,14 @@ use volgraph_volume::{Grid, Volume};
 
 use crate::progress::Bars;
 
+/// What WebGPU guarantees, and floats that nearly every device can filter; a plan for a device that cannot tells.
+pub fn limits() -> Limits {
+    Limits {
+        float32_filterable: true,
+        ..Limits::default()
+    }
+}
+
 /// What all graphs are checked with.
 pub struct Checker<'a> {
     pub registry: &'a Registry,
@@ -27,20 +35,41 @@ pub struct Checker<'a> {
 impl Checker<'_> {
     /// Everything wrong with a graph, with and without depth and opacity.
     pub fn check(&self, path: &Path, text: String) -> Findings {
-        let desc = match read::graph(path, &text) {
-            Ok(desc) => desc,
-            Err(findings) => return findings,
+        let mut findings = Findings::new();
+        let Some(scene) = self.scene(path, text, Overrides::default(), &mut findings) else {
+            return findings;
         };
+        findings.take(scene.check_color_output());
+        let shaders = scene.shader_library(Capabilities::default());
+        let limits = limits();
+        for with_layers in [false, true] {
+            if let Err(more) = scene.plan(&shaders, &limits, [512, 512], with_layers) {
+                findings.extend(more);
+                break;
+            }
+        }
+        findings
+    }
+
+    /// A graph with its data, or with what stands in for it; `None` where there are errors.
+    pub fn scene(
+        &self,
+        path: &Path,
+        text: String,
+        overrides: Overrides,
+        findings: &mut Findings,
+    ) -> Option<Scene> {
+        let mut desc = findings.take_all(read::graph(path, &text))?;
+        findings.take_all(overrides.apply(&mut desc))?;
         let folder = path
             .parent()
             .filter(|folder| !folder.as_os_str().is_empty())
             .unwrap_or(Path::new("."));
         let folders = Folders::new(folder, self.data);
-        let mut findings = Findings::new();
         let mut loaded = IndexMap::new();
         let bars = Bars::new();
         for (name, source) in &desc.sources {
-            if let Some(source) = self.source(name, source, &folders, &bars, &mut findings) {
+            if let Some(source) = self.source(name, source, &folders, &bars, findings) {
                 loaded.insert(name.clone(), source);
             }
         }
@@ -49,33 +78,16 @@ impl Checker<'_> {
         if let Err(more) = resolve::resolve(&desc, &loaded, self.registry) {
             findings.extend(more);
         }
-        if findings.has_errors() {
-            return findings;
-        }
-        let scene = Scene {
+        (!findings.has_errors()).then(|| Scene {
             path: path.to_path_buf(),
             text,
             desc,
-            overrides: Overrides::default(),
+            overrides,
             sources: loaded,
             registry: self.registry.clone(),
             shader_folders: self.folders.clone(),
             data: Default::default(),
-        };
-        findings.take(scene.check_color_output());
-        let shaders = scene.shader_library(Capabilities::default());
-        // A graph may ask for floats that nearly every device can filter; a plan for a device that cannot tells.
-        let limits = Limits {
-            float32_filterable: true,
-            ..Limits::default()
-        };
-        for with_layers in [false, true] {
-            if let Err(more) = scene.plan(&shaders, &limits, [512, 512], with_layers) {
-                findings.extend(more);
-                break;
-            }
-        }
-        findings
+        })
     }
 
     fn source(
