@@ -3,10 +3,11 @@
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::DVec3;
+use include_dir::Dir;
 use volgraph_report::Findings;
 use volgraph_shader::{ParamSpec, ParamValue};
 
@@ -43,30 +44,82 @@ pub trait Source: Send + Sync + fmt::Debug {
 /// Reports how much of a long read is done: (bytes so far, bytes in all or 0 where unknown).
 pub type Progress<'p> = &'p (dyn Fn(u64, u64) + Sync);
 
+/// The folder of the graphs that are part of the program, as paths name it.
+pub const EMBEDDED_GRAPHS: &str = "embedded:/graphs";
+
+/// What all paths of files inside the program start with.
+const EMBEDDED: &str = "embedded:";
+
 /// Where the files of sources are looked for: the graph's own folder first, then folders of data.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Folders(Vec<PathBuf>);
+///
+/// A program may carry files in itself, named `embedded:/graphs/…`. They are read where a path says so, or where the
+/// graph is one of them; never in place of a file that is missing on disk.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Folders {
+    folders: Vec<PathBuf>,
+    embedded: Option<&'static Dir<'static>>,
+}
 
 impl Folders {
     /// The graph's folder, then the others in their order.
     #[must_use]
     pub fn new(graph: impl Into<PathBuf>, data: &[PathBuf]) -> Self {
-        Self(
-            std::iter::once(graph.into())
+        Self {
+            folders: std::iter::once(graph.into())
                 .chain(data.iter().cloned())
                 .collect(),
-        )
+            embedded: None,
+        }
     }
 
-    /// The first folder's file that is there; where none is, the one in the graph's folder.
+    /// Sets the files that the program carries: the folder [`EMBEDDED_GRAPHS`].
+    #[must_use]
+    pub fn embedded(mut self, files: &'static Dir<'static>) -> Self {
+        self.embedded = Some(files);
+        self
+    }
+
+    /// The first folder's file that is there; where none is, the one in the graph's folder. A path that starts with
+    /// `embedded:` is taken as it is.
     #[must_use]
     pub fn find(&self, path: &str) -> PathBuf {
-        let in_folders = || self.0.iter().map(|folder| folder.join(path));
+        if is_embedded(Path::new(path)) {
+            return path.into();
+        }
+        let in_folders = || self.folders.iter().map(|folder| folder.join(path));
+        let is_there = |file: &PathBuf| {
+            if is_embedded(file) {
+                self.embedded_bytes(file).is_some()
+            } else {
+                file.exists()
+            }
+        };
         in_folders()
-            .find(|file| file.exists())
+            .find(is_there)
             .or_else(|| in_folders().next())
             .unwrap_or_else(|| path.into())
     }
+
+    /// The content of a file that the program carries; `None` for any other path.
+    #[must_use]
+    pub fn embedded_bytes(&self, file: &Path) -> Option<&'static [u8]> {
+        let below = file.strip_prefix(EMBEDDED_GRAPHS).ok()?;
+        Some(self.embedded?.get_file(below)?.contents())
+    }
+
+    /// The path of the file that the program carries under this name, such as `transfer/engine.ron`: for a remedy
+    /// where a file of the graph is missing.
+    #[must_use]
+    pub fn embedded_twin(&self, path: &str) -> Option<PathBuf> {
+        let twin = Path::new(EMBEDDED_GRAPHS).join(path);
+        self.embedded_bytes(&twin).map(|_| twin)
+    }
+}
+
+/// Whether a path names a file inside the program: `embedded:/…`.
+#[must_use]
+pub fn is_embedded(path: &Path) -> bool {
+    path.starts_with(EMBEDDED)
 }
 
 /// A kind of source.

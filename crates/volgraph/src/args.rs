@@ -22,17 +22,23 @@ pub enum Command {
     Render(RenderArgs),
     /// Print what a graph comes to: nodes, bindings, sizes, memory, conventions.
     Plan(PlanArgs),
-    /// Check shaders, graphs and transfer functions, without a GPU; folders are searched.
+    /// Check shaders, graphs, transfer functions and test cases, without a GPU; folders are searched.
     ///
     /// A volume file that is not there is a warning: a small volume stands in for it, so that the rest of its graph is
     /// checked wherever the data is. Exit code 1 means errors.
     Check(CheckArgs),
+    /// Write a shader of your own to start from, with a graph that draws it and a test.
+    New(NewArgs),
+    /// Run test cases of shaders; folders are searched. Exit code 1 means that one failed.
+    Test(TestArgs),
     /// Print a volume's dimensions, placement and statistics.
     Info(InfoArgs),
     /// Compare two pictures: RMSE, maximum, 99.9th percentile, PSNR, FLIP.
     Compare(CompareArgs),
     /// List node kinds and source kinds with their ports and parameters.
     Nodes(NodesArgs),
+    /// List the ready graphs, print one, or copy one into a folder to start from.
+    Graphs(GraphsArgs),
     /// List the adapters, the best first.
     Adapters(AdaptersArgs),
     /// Time the frames of a graph while the camera turns.
@@ -77,7 +83,7 @@ pub struct DataArgs {
 /// What all commands on graphs share.
 #[derive(ClapArgs, Debug)]
 pub struct SceneArgs {
-    /// The graph file.
+    /// The graph file; or the name of a ready graph (`volgraph graphs` lists them), where there is no such file.
     pub graph: PathBuf,
     /// Width and height of the picture in pixels.
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = parse_size)]
@@ -172,6 +178,55 @@ pub struct CheckArgs {
     pub format: FindingFormat,
 }
 
+/// `volgraph new`.
+#[derive(ClapArgs, Debug)]
+pub struct NewArgs {
+    /// The slot that the shader is for.
+    pub slot: NewSlot,
+    /// The name of the shader, its graph and its test: small letters, digits and `_`.
+    pub name: String,
+    /// The folder to write into.
+    #[arg(long, value_name = "FOLDER", default_value = ".")]
+    pub folder: PathBuf,
+}
+
+/// The slots that there are templates for.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NewSlot {
+    /// What does a segment add to the pixel?
+    Technique,
+    /// What are colour and opacity of a segment?
+    Classify,
+    /// How is a point lit?
+    Light,
+    /// Where does the next segment end?
+    Traverse,
+    /// What is the scalar at a point?
+    Reconstruct,
+    /// What is the gradient at a point?
+    Gradient,
+}
+
+/// `volgraph test`.
+#[derive(ClapArgs, Debug)]
+pub struct TestArgs {
+    /// Case files, and folders that hold some.
+    #[arg(required = true)]
+    pub paths: Vec<PathBuf>,
+    /// Where shaders are.
+    #[command(flatten)]
+    pub shaders: ShaderArgs,
+    /// Where volumes are.
+    #[command(flatten)]
+    pub data: DataArgs,
+    /// The adapter: part of its name, a backend (vulkan, gl, metal, dx12) or a class (discrete, software, …).
+    #[arg(long, value_name = "WORDS", env = "VOLGRAPH_ADAPTER")]
+    pub adapter: Option<String>,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// How findings are printed.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FindingFormat {
@@ -234,6 +289,25 @@ pub struct NodesArgs {
     pub shaders: ShaderArgs,
     /// Print JSON.
     #[arg(long)]
+    pub json: bool,
+}
+
+/// `volgraph graphs`.
+#[derive(ClapArgs, Debug)]
+pub struct GraphsArgs {
+    /// Only this one: its text.
+    pub name: Option<String>,
+    /// Copy the graph, its transfer functions and images into the folder.
+    #[arg(long, requires = "name")]
+    pub write: bool,
+    /// The folder to copy into.
+    #[arg(long, value_name = "FOLDER", default_value = ".", requires = "write")]
+    pub folder: PathBuf,
+    /// Overwrite what is there.
+    #[arg(long, requires = "write")]
+    pub force: bool,
+    /// Print JSON.
+    #[arg(long, conflicts_with = "write")]
     pub json: bool,
 }
 

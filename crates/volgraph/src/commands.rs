@@ -5,14 +5,19 @@ mod bench;
 mod check;
 mod compare;
 mod errors;
+mod graphs;
 mod info;
+mod new;
 mod nodes;
 mod plan;
 mod render;
+mod test;
+mod write;
 
 use std::process::ExitCode;
 
 use volgraph::{Scene, registry};
+use volgraph_graph::is_embedded;
 
 use crate::args::{Command, SceneArgs};
 use crate::output;
@@ -27,6 +32,9 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Info(args) => info::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Nodes(args) => nodes::run(&args),
+        Command::New(args) => new::run(&args),
+        Command::Test(args) => test::run(&args),
+        Command::Graphs(args) => graphs::run(&args),
         Command::Adapters(args) => adapters::run(&args),
         Command::Bench(args) => bench::run(&args),
     }
@@ -44,6 +52,13 @@ fn load(args: &SceneArgs) -> anyhow::Result<Scene> {
     );
     bars.clear();
     let scene = loaded?;
+    if scene.path != args.graph && is_embedded(&scene.path) {
+        output::note(&format!(
+            "there is no file {} here; this is volgraph's own {}",
+            args.graph.display(),
+            scene.path.display()
+        ));
+    }
     for (source, warning) in scene.warnings() {
         output::warn(&format!("source {source}: {warning}"));
     }

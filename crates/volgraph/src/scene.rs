@@ -8,10 +8,11 @@ use indexmap::IndexMap;
 use naga::valid::Capabilities;
 use volgraph_graph::demand::ShaderLibrary;
 use volgraph_graph::{
-    Folders, GraphDesc, Limits, Plan, PlanRequest, Registry, Source, read, sources,
+    GraphDesc, Limits, Plan, PlanRequest, Registry, Source, is_embedded, read, sources,
 };
 use volgraph_report::{Finding, Findings, Place};
 
+use crate::embedded;
 use crate::overrides::Overrides;
 use crate::shaders::ShaderFolders;
 
@@ -34,7 +35,7 @@ impl SourceProgress for NoProgress {
 
 /// A loaded graph.
 pub struct Scene {
-    /// The graph file.
+    /// The graph file; `embedded:/graphs/…` for one of volgraph's own.
     pub path: PathBuf,
     /// Its text.
     pub text: String,
@@ -51,7 +52,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Reads a graph file and all of its sources.
+    /// Reads a graph file and all of its sources. Where there is no such file, the name may be that of a ready graph
+    /// ([`embedded::locate`]).
     ///
     /// # Errors
     /// Everything wrong with the file and the sources, together.
@@ -62,11 +64,12 @@ impl Scene {
         registry: Registry,
         progress: &dyn SourceProgress,
     ) -> Result<Self, Findings> {
+        let path = &*embedded::locate(path);
         let text = read_text(path)?;
         let mut desc = read::graph(path, &text)?;
         overrides.apply(&mut desc)?;
         let report = |source: &str, done: u64, total: u64| progress.progress(source, done, total);
-        let folders = Folders::new(folder_of(path), &overrides.data);
+        let folders = embedded::folders(path, &overrides.data);
         let (sources, mut findings) = sources::load(&desc, &registry, &folders, &report);
         // Names can be looked up even where a source is broken: all findings at once.
         if let Err(more) = volgraph_graph::resolve::resolve(&desc, &sources, &registry) {
@@ -87,11 +90,12 @@ impl Scene {
     /// The shaders, for a device with these capabilities.
     #[must_use]
     pub fn shader_library(&self, capabilities: Capabilities) -> ShaderLibrary {
-        let base = folder_of(&self.path);
+        // An embedded graph has no folder to find shaders in; paths of shaders then start at the current one.
+        let folder = (!is_embedded(&self.path)).then(|| folder_of(&self.path));
         ShaderLibrary::new(
-            self.shader_folders.roots(Some(&base)),
+            self.shader_folders.roots(folder.as_deref()),
             capabilities,
-            Some(base),
+            Some(folder.unwrap_or_else(|| PathBuf::from("."))),
         )
     }
 
@@ -157,11 +161,14 @@ impl Scene {
 }
 
 /// Reads a text file of at most 4 MiB.
-fn read_text(path: &Path) -> Result<String, Findings> {
+pub(crate) fn read_text(path: &Path) -> Result<String, Findings> {
+    if let Some(text) = embedded::text(path) {
+        return Ok(text.to_owned());
+    }
     let unreadable = |error: std::io::Error| {
         Finding::error("io", format!("the graph cannot be read: {error}"))
             .at(Place::whole_file(path))
-            .help("check that the path names a graph file in RON that you may read")
+            .help(embedded::missing_graph_help(path))
     };
     let metadata = fs::metadata(path).map_err(unreadable)?;
     if metadata.is_dir() || metadata.len() > MAX_GRAPH_BYTES {

@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod commands;
+mod new;
 mod planted;
 
 use std::path::{Path, PathBuf};
