@@ -18,10 +18,14 @@
 //!
 //! The way of the data: [`Case::load`] reads a file, with every finding at its place; [`Case::check`] looks at the graphs
 //! and names that it speaks of, without a GPU; [`Case::run`] renders what the expectations need, each picture once, and
-//! gives an [`Outcome`] for each with the measured figure and its bound.
+//! gives an [`Outcome`] for each with the measured figure and its bound. A raycast runs in the fragment shader unless graph
+//! or case say otherwise: figures must not depend on which stage is faster at the moment.
 
+mod check;
+mod expectations;
 mod read;
 mod run;
+mod settings;
 
 use std::path::{Path, PathBuf};
 

@@ -1,25 +1,16 @@
-//! Reads and checks case files.
+//! Reads case files.
 
 use std::fs;
 use std::path::Path;
 
-use volgraph_graph::{GraphDesc, is_embedded, read};
-use volgraph_report::ron_text::{Document, Entry, Fields, Value};
-use volgraph_report::{Finding, Findings, Place, did_you_mean};
+use volgraph_report::ron_text::{Document, Fields, Value};
+use volgraph_report::{Finding, Findings, Place};
 
-use super::{Case, Expectation, ExpectationKind, GraphName, Other, Param, Set, graph_path};
-use crate::{ParamOverride, embedded, scene};
+use super::{Case, GraphName, Set, graph_path};
+use crate::ParamOverride;
 
 /// Longest text that is read.
 const MAX_TEXT_BYTES: u64 = 64 << 10;
-
-/// Most expectations of a case: each costs pictures.
-const MAX_EXPECTATIONS: usize = 64;
-
-/// Most halvings: steps beyond them are lost in f32.
-const MAX_HALVINGS: u32 = 8;
-
-const KINDS: [&str; 5] = ["finite", "stages_agree", "halving", "equals", "differs"];
 
 impl Case {
     /// Reads a case file.
@@ -113,92 +104,9 @@ impl Case {
             None => Err(findings),
         }
     }
-
-    /// Whether the graphs that it names are there and have the nodes and sources that it sets. What is wrong within a
-    /// graph is told where that is checked or rendered.
-    #[must_use]
-    pub fn check(&self) -> Findings {
-        let mut findings = Findings::new();
-        let own = known_names(&self.graph, &mut findings);
-        let mut settings: Vec<(&Option<GraphDesc>, &Set)> =
-            self.set.iter().map(|set| (&own, set)).collect();
-        let mut others = Vec::new();
-        for expectation in &self.expect {
-            match &expectation.kind {
-                ExpectationKind::Equals { other, .. } | ExpectationKind::Differs { other, .. } => {
-                    let desc = other
-                        .graph
-                        .as_ref()
-                        .map(|graph| known_names(graph, &mut findings));
-                    others.push((desc, &other.set));
-                }
-                ExpectationKind::Halving { param, .. } => {
-                    if let Some(desc) = &own {
-                        findings.extend(unknown_target(desc, &param.node, false, &param.place));
-                    }
-                }
-                ExpectationKind::Finite | ExpectationKind::StagesAgree { .. } => {}
-            }
-        }
-        for (desc, sets) in &others {
-            settings.extend(sets.iter().map(|set| (desc.as_ref().unwrap_or(&own), set)));
-        }
-        for (desc, set) in settings {
-            if let Some(desc) = desc {
-                let (target, is_slot) = (&set.value.target, set.value.is_slot);
-                findings.extend(unknown_target(desc, target, !is_slot, &set.place));
-            }
-        }
-        findings
-    }
 }
 
-/// A graph's nodes and sources; `None` where it is not there (a finding) or cannot be read (told elsewhere).
-fn known_names(graph: &GraphName, findings: &mut Findings) -> Option<GraphDesc> {
-    if let Err(finding) = graph_is_there(graph) {
-        findings.push(finding);
-        return None;
-    }
-    let text = scene::read_text(&graph.path).ok()?;
-    read::graph(&graph.path, &text).ok()
-}
-
-/// A case's graph is a file: a name alone does not stand for a ready graph here, so that a missing file is told.
-pub(super) fn graph_is_there(graph: &GraphName) -> Result<(), Finding> {
-    let is_there = if is_embedded(&graph.path) {
-        embedded::text(&graph.path).is_some()
-    } else {
-        graph.path.is_file()
-    };
-    if is_there {
-        return Ok(());
-    }
-    let message = format!("there is no graph {}", graph.path.display());
-    Err(Finding::error("missing-graph", message)
-        .at(graph.place.clone())
-        .help("name it from the case's own folder, or as `embedded:/graphs/NAME.ron`"))
-}
-
-fn unknown_target(
-    desc: &GraphDesc,
-    name: &str,
-    may_be_source: bool,
-    place: &Place,
-) -> Option<Finding> {
-    let is_known =
-        desc.nodes.contains_key(name) || may_be_source && desc.sources.contains_key(name);
-    let known = desc.nodes.keys().chain(desc.sources.keys());
-    (!is_known).then(|| {
-        Finding::error(
-            "unknown-node",
-            format!("the graph has nothing named `{name}`"),
-        )
-        .at(place.clone())
-        .help_opt(did_you_mean(name, known.map(String::as_str)))
-    })
-}
-
-fn missing(value: &Value<'_>, name: &str, help: &str) -> Finding {
+pub(super) fn missing(value: &Value<'_>, name: &str, help: &str) -> Finding {
     let place = Place {
         length: 1,
         ..value.place()
@@ -211,19 +119,19 @@ fn missing(value: &Value<'_>, name: &str, help: &str) -> Finding {
     .help(help)
 }
 
-struct Reader<'f> {
-    file: &'f Path,
+pub(super) struct Reader<'f> {
+    pub(super) file: &'f Path,
 }
 
 impl Reader<'_> {
-    fn graph(&self, value: &Value<'_>) -> Result<GraphName, Finding> {
+    pub(super) fn graph(&self, value: &Value<'_>) -> Result<GraphName, Finding> {
         Ok(GraphName {
             path: graph_path(self.file, &value.string()?),
             place: value.place(),
         })
     }
 
-    fn sets(&self, value: &Value<'_>, findings: &mut Findings) -> Vec<Set> {
+    pub(super) fn sets(&self, value: &Value<'_>, findings: &mut Findings) -> Vec<Set> {
         let items = findings.take(value.items()).unwrap_or_default();
         let read = |item: &Value<'_>| {
             let typed = item.string()?;
@@ -241,179 +149,11 @@ impl Reader<'_> {
             .filter_map(|item| findings.take(read(item)))
             .collect()
     }
-
-    fn expectations(&self, value: &Value<'_>, findings: &mut Findings) -> Vec<Expectation> {
-        let items = findings.take(value.items()).unwrap_or_default();
-        if items.len() > MAX_EXPECTATIONS {
-            let message = format!("more than {MAX_EXPECTATIONS} expectations are refused");
-            let place = Place {
-                length: 1,
-                ..value.place()
-            };
-            findings.push(
-                Finding::error("too-large", message)
-                    .at(place)
-                    .help("write several cases"),
-            );
-            return Vec::new();
-        }
-        items
-            .iter()
-            .filter_map(|item| findings.take_all(self.expectation(item)))
-            .collect()
-    }
-
-    fn expectation(&self, value: &Value<'_>) -> Result<Expectation, Findings> {
-        let (name, entries) = value.variant()?;
-        let mut findings = Findings::new();
-        let kind = self.kind(&name, value, entries, &mut findings);
-        let expectation = kind.map(|kind| Expectation {
-            kind,
-            text: value
-                .text()
-                .split_whitespace()
-                .collect::<Vec<_>>()
-                .join(" "),
-            place: value.place(),
-        });
-        match expectation {
-            Some(expectation) => findings.into_result(expectation),
-            None => Err(findings),
-        }
-    }
-
-    /// `None` only with a finding.
-    fn kind(
-        &self,
-        name: &str,
-        value: &Value<'_>,
-        entries: Vec<Entry<'_>>,
-        findings: &mut Findings,
-    ) -> Option<ExpectationKind> {
-        let mut fields = Fields::new(entries);
-        let kind = match name {
-            "finite" => Some(ExpectationKind::Finite),
-            "stages_agree" => bound(&mut fields, findings, "max", value)
-                .map(|max| ExpectationKind::StagesAgree { max }),
-            "halving" => halving(&mut fields, findings, value),
-            "equals" => {
-                let other = self.other(&mut fields, findings, value);
-                bound(&mut fields, findings, "max", value)
-                    .map(|max| ExpectationKind::Equals { other, max })
-            }
-            "differs" => {
-                let other = self.other(&mut fields, findings, value);
-                let rmse = bound(&mut fields, findings, "rmse", value);
-                if rmse == Some(0.0) {
-                    let finding = value.error("bad-value", "a least error of 0 cannot fail");
-                    findings
-                        .push(finding.help("give the least error that can be seen, such as 0.01"));
-                }
-                rmse.map(|rmse| ExpectationKind::Differs { other, rmse })
-            }
-            _ => {
-                findings.push(
-                    value
-                        .error(
-                            "unknown-expectation",
-                            format!("nothing is known of `{name}`"),
-                        )
-                        .help_opt(did_you_mean(name, KINDS)),
-                );
-                return None;
-            }
-        };
-        fields.finish(findings);
-        kind
-    }
-
-    fn other(&self, fields: &mut Fields<'_>, findings: &mut Findings, value: &Value<'_>) -> Other {
-        let graph = fields.take("graph");
-        let set = fields.take("set");
-        let is_own = |set: &Value<'_>| set.items().is_ok_and(|items| items.is_empty());
-        if graph.is_none() && set.as_ref().is_none_or(is_own) {
-            findings.push(missing(
-                value,
-                "set",
-                "give `graph: \"other.ron\"`, `set: [\"node.param=value\"]` or both",
-            ));
-        }
-        Other {
-            graph: graph.and_then(|graph| findings.take(self.graph(&graph))),
-            set: set.map(|set| self.sets(&set, findings)).unwrap_or_default(),
-        }
-    }
-}
-
-fn halving(
-    fields: &mut Fields<'_>,
-    findings: &mut Findings,
-    value: &Value<'_>,
-) -> Option<ExpectationKind> {
-    let param = fields.read(findings, "param", |value| {
-        let text = value.string()?;
-        match text.split_once('.') {
-            Some((node, name)) if !node.is_empty() && !name.is_empty() => Ok(Param {
-                node: node.to_owned(),
-                name: name.to_owned(),
-                place: value.place(),
-            }),
-            _ => Err(value.error(
-                "bad-value",
-                "name a node and its parameter: `\"image.step\"`",
-            )),
-        }
-    });
-    if param.is_none() && !findings.has_errors() {
-        findings.push(missing(value, "param", "add `param: \"image.step\"`"));
-    }
-    let from = fields.read(findings, "from", |value| match value.f64()? {
-        from if from > 0.0 => Ok(from),
-        _ => Err(value.error("bad-value", "what is halved is above 0")),
-    });
-    let times = fields.read(findings, "times", |value| match value.u32()? {
-        times @ 1..=MAX_HALVINGS => Ok(times),
-        _ => Err(value.error("bad-value", format!("halve 1 to {MAX_HALVINGS} times"))),
-    });
-    let times = times.unwrap_or(2);
-    let rmse = bound(fields, findings, "rmse", value);
-    let order = fields.read(findings, "order", |value| match value.f64()? {
-        order if order <= 0.0 => Err(value.error("bad-value", "an order is above 0")),
-        _ if times < 2 => Err(value
-            .error("bad-value", "an order takes two halvings")
-            .help("write `times: 2` or more")),
-        order => Ok(order),
-    });
-    Some(ExpectationKind::Halving {
-        param: param?,
-        from,
-        times,
-        rmse: rmse?,
-        order,
-    })
-}
-
-/// A number of at least 0, which must be there.
-fn bound(
-    fields: &mut Fields<'_>,
-    findings: &mut Findings,
-    name: &'static str,
-    value: &Value<'_>,
-) -> Option<f64> {
-    let Some(given) = fields.take(name) else {
-        let help = format!("add `{name}: 1e-4` or another bound");
-        findings.push(missing(value, name, &help));
-        return None;
-    };
-    let number = findings.take(given.f64())?;
-    if number < 0.0 {
-        findings.push(given.error("bad-value", "a bound is at least 0"));
-    }
-    Some(number)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::ExpectationKind;
     use super::*;
 
     const CASE: &str = "(\n test: 1, graph: \"../g.ron\", size: (32, 16), set: [\"image.step=0.5\"],\n expect: [\n  finite,\n  \
@@ -531,34 +271,5 @@ mod tests {
         let findings =
             parse(&all("finit, stages_agree(max: -1), halving(rmse: \"x\")")).unwrap_err();
         assert_eq!(findings.len(), 4, "{findings}");
-    }
-
-    #[test]
-    fn graphs_and_names_that_are_not_there_are_told() {
-        let folder = tempfile::tempdir().unwrap();
-        let graph = embedded::text(Path::new("embedded:/graphs/quickstart.ron")).unwrap();
-        fs::write(folder.path().join("g.ron"), graph).unwrap();
-        let text = "(test: 1, graph: \"g.ron\", set: [\"imag.step=1\", \"colors.path=\\\"x\\\"\"], expect: [\n\
-            equals(graph: \"no.ron\", max: 1),\nequals(graph: \"quickstart\", max: 1),\n\
-            equals(graph: \"embedded:/graphs/hydrogen.ron\", set: [\"molecule.n=1\", \"glow.path=1\"], max: 1),\n\
-            halving(param: \"colors.step\", rmse: 1),\n])";
-        let case = Case::parse(&folder.path().join("c.ron"), text).unwrap();
-        let findings = case.check();
-        let told: Vec<_> = findings
-            .sorted()
-            .iter()
-            .map(|finding| (finding.code, finding.place.as_ref().unwrap().line))
-            .collect();
-        assert_eq!(
-            told,
-            [
-                ("unknown-node", 1),
-                ("missing-graph", 2),
-                ("missing-graph", 3),
-                ("unknown-node", 4),
-                ("unknown-node", 5)
-            ],
-            "{findings}"
-        );
     }
 }

@@ -9,10 +9,9 @@ use volgraph_measure::{Comparison, MeasureError, compare_without_flip};
 use volgraph_report::{Finding, Findings};
 use volgraph_shader::ParamValue;
 
+use super::settings::{fixed_stages, in_case, last_of_each, setting, stage_setting, staged_nodes};
 use super::{Case, Expectation, ExpectationKind, GraphName, Other, Param, Set};
-use crate::{
-    AdapterChoice, Overrides, ParamOverride, Picture, Session, SessionOptions, ShaderFolders, scene,
-};
+use crate::{AdapterChoice, Overrides, Picture, Session, SessionOptions, ShaderFolders, scene};
 
 /// Below this root mean square error, f32 is all that two pictures differ by, and no order can be told.
 const ROUNDING: f64 = 1e-6;
@@ -236,29 +235,10 @@ impl Run<'_> {
         }
     }
 
-    /// The settings that run every node that can run in either stage in this one.
+    /// The settings that run every node of the case's graph that can run in either stage in this one.
     fn stage(&self, stage: &str, expectation: &Expectation) -> Result<Vec<Set>, Findings> {
-        let registry = volgraph_nodes::registry();
-        let has_stage = |kind: &str| {
-            registry.node(kind).is_some_and(|kind| {
-                let params = kind.params();
-                params.iter().any(|spec| {
-                    spec.name == "stage" && spec.choices().iter().any(|choice| choice == stage)
-                })
-            })
-        };
-        let mut sets = Vec::new();
-        for (name, node) in &self.desc.nodes {
-            if has_stage(&node.kind) {
-                let param = Param {
-                    node: name.clone(),
-                    name: "stage".to_owned(),
-                    place: expectation.place.clone(),
-                };
-                sets.push(setting(&param, stage)?);
-            }
-        }
-        if sets.is_empty() {
+        let nodes = staged_nodes(&self.desc);
+        if nodes.is_empty() {
             return Err(Finding::error(
                 "no-stage",
                 "no node of the graph runs in more than one stage",
@@ -267,7 +247,10 @@ impl Run<'_> {
             .help("leave `stages_agree` out")
             .into());
         }
-        Ok(sets)
+        nodes
+            .into_iter()
+            .map(|(node, _)| stage_setting(node, stage, &expectation.place))
+            .collect()
     }
 
     fn own(&mut self, more: &[Set]) -> Rendered {
@@ -285,6 +268,7 @@ impl Run<'_> {
 
     /// Renders a graph with these settings, once.
     fn picture(&mut self, graph: &Path, sets: Vec<Set>) -> Rendered {
+        let sets = last_of_each(fixed_stages(graph)?.into_iter().chain(sets));
         let known = self
             .pictures
             .iter()
@@ -311,28 +295,6 @@ impl Run<'_> {
             .push((graph.to_path_buf(), sets, rendered.clone()));
         rendered
     }
-}
-
-/// A finding about a setting stands where the case has it, not on a command line that nobody typed.
-fn in_case(finding: Finding, sets: &[Set]) -> Finding {
-    let file = finding.place.as_ref().map(|place| place.file.clone());
-    let set = sets
-        .iter()
-        .find(|set| file.as_deref() == Some(Path::new(&format!("--set {}", set.value.typed))));
-    match set {
-        Some(set) => finding.at(set.place.clone()),
-        None => finding,
-    }
-}
-
-fn setting(param: &Param, value: &str) -> Result<Set, Findings> {
-    let typed = format!("{}.{}={value}", param.node, param.name);
-    let value = ParamOverride::parse(&typed)
-        .map_err(|message| Finding::error("bad-set", message).at(param.place.clone()))?;
-    Ok(Set {
-        value,
-        place: param.place.clone(),
-    })
 }
 
 /// The order of convergence from the errors of one halving after the other: minus the slope of the line that fits
