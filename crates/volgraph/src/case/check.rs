@@ -106,6 +106,7 @@ mod tests {
         let text = "(test: 1, graph: \"g.ron\", set: [\"imag.step=1\", \"colors.path=\\\"x\\\"\"], expect: [\n\
             equals(graph: \"no.ron\", max: 1),\nequals(graph: \"quickstart\", max: 1),\n\
             equals(graph: \"embedded:/graphs/hydrogen.ron\", set: [\"molecule.n=1\", \"glow.path=1\"], max: 1),\n\
+            equals(graph: \"embedded:/graphs/no.ron\", max: 1),\n\
             halving(param: \"colors.step\", rmse: 1),\n])";
         let case = Case::parse(&folder.path().join("c.ron"), text).unwrap();
         let findings = case.check();
@@ -121,7 +122,8 @@ mod tests {
                 ("missing-graph", 2),
                 ("missing-graph", 3),
                 ("unknown-node", 4),
-                ("unknown-node", 5)
+                ("missing-graph", 5),
+                ("unknown-node", 6)
             ],
             "{findings}"
         );

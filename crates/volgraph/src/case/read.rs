@@ -24,7 +24,8 @@ impl Case {
                 .help("check that the path names a UTF-8 text file that you may read")
         };
         let metadata = fs::metadata(file).map_err(unreadable)?;
-        if metadata.is_dir() || metadata.len() > MAX_TEXT_BYTES {
+        // A pipe or a device could block for ever.
+        if !metadata.is_file() || metadata.len() > MAX_TEXT_BYTES {
             return Err(
                 Finding::error("not-a-case", "a case is a RON file of at most 64 KiB")
                     .at(Place::whole_file(file))

@@ -394,5 +394,9 @@ mod tests {
         picture.depth = Some(vec![1.0, f32::NAN, 1.0, 1.0]);
         picture.opacity = Some(vec![f32::NAN, 0.0, f32::INFINITY, 0.0]);
         assert_eq!(not_finite(&picture), 3);
+        picture.opacity = None;
+        assert_eq!(not_finite(&picture), 2);
+        picture.depth = None;
+        assert_eq!(not_finite(&picture), 1);
     }
 }
