@@ -23,6 +23,7 @@
 
 mod check;
 mod expectations;
+mod figures;
 mod read;
 mod run;
 mod settings;
