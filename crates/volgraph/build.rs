@@ -1,5 +1,7 @@
-//! The embedded shaders are part of this crate: an edit of one builds it anew.
+//! The embedded shaders, graphs and templates are part of this crate: an edit of one builds it anew.
 
 fn main() {
-    println!("cargo::rerun-if-changed=../../shaders");
+    for folder in ["../../shaders", "../../graphs", "templates"] {
+        println!("cargo::rerun-if-changed={folder}");
+    }
 }

@@ -49,4 +49,4 @@ pub use plan::{Allocation, Plan, PlanRequest};
 pub use planned::{PlannedBinding, PlannedNode, PlannedResource};
 pub use registry::Registry;
 pub use resource::{Extent, ResourceDesc, ResourceKind, Size};
-pub use source::{Folders, Progress, Source, SourceKind};
+pub use source::{EMBEDDED_GRAPHS, Folders, Progress, Source, SourceKind, is_embedded};

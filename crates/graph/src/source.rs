@@ -3,10 +3,11 @@
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
+use include_dir::Dir;
 use volgraph_report::Findings;
 use volgraph_shader::{ParamSpec, ParamValue};
 
@@ -43,11 +44,21 @@ pub trait Source: Send + Sync + fmt::Debug {
 /// Reports how much of a long read is done: (bytes so far, bytes in all or 0 where unknown).
 pub type Progress<'p> = &'p (dyn Fn(u64, u64) + Sync);
 
+/// The folder of the graphs that are part of the program, as paths name it.
+pub const EMBEDDED_GRAPHS: &str = "embedded:/graphs";
+
+/// What all paths of files inside the program start with.
+const EMBEDDED: &str = "embedded:";
+
 /// Where the files of sources are looked for: the graph's own folder first, then folders of data. Every path that was
 /// asked for is remembered, so that a watcher knows what would have served.
+///
+/// A program may carry files in itself, named `embedded:/graphs/…`. They are read where a path says so, or where the
+/// graph is one of them; never in place of a file that is missing on disk.
 #[derive(Clone, Debug, Default)]
 pub struct Folders {
     folders: Vec<PathBuf>,
+    embedded: Option<&'static Dir<'static>>,
     asked: Arc<Mutex<BTreeSet<PathBuf>>>,
 }
 
@@ -59,19 +70,38 @@ impl Folders {
             folders: std::iter::once(graph.into())
                 .chain(data.iter().cloned())
                 .collect(),
+            embedded: None,
             asked: Arc::default(),
         }
     }
 
-    /// The first folder's file that is there; where none is, the one in the graph's folder.
+    /// Sets the files that the program carries: the folder [`EMBEDDED_GRAPHS`].
+    #[must_use]
+    pub fn embedded(mut self, files: &'static Dir<'static>) -> Self {
+        self.embedded = Some(files);
+        self
+    }
+
+    /// The first folder's file that is there; where none is, the one in the graph's folder. A path that starts with
+    /// `embedded:` is taken as it is.
     #[must_use]
     pub fn find(&self, path: &str) -> PathBuf {
+        if is_embedded(Path::new(path)) {
+            return path.into();
+        }
+        let is_there = |file: &Path| {
+            if is_embedded(file) {
+                self.embedded_bytes(file).is_some()
+            } else {
+                file.exists()
+            }
+        };
         let mut asked = self.asked.lock().unwrap_or_else(PoisonError::into_inner);
         let mut first = None;
         for folder in &self.folders {
             let file = folder.join(path);
             asked.insert(file.clone());
-            if file.exists() {
+            if is_there(&file) {
                 return file;
             }
             first = first.or(Some(file));
@@ -85,6 +115,27 @@ impl Folders {
         let asked = self.asked.lock();
         asked.unwrap_or_else(PoisonError::into_inner).clone()
     }
+
+    /// The content of a file that the program carries; `None` for any other path.
+    #[must_use]
+    pub fn embedded_bytes(&self, file: &Path) -> Option<&'static [u8]> {
+        let below = file.strip_prefix(EMBEDDED_GRAPHS).ok()?;
+        Some(self.embedded?.get_file(below)?.contents())
+    }
+
+    /// The path of the file that the program carries under this name, such as `transfer/engine.ron`: for a remedy
+    /// where a file of the graph is missing.
+    #[must_use]
+    pub fn embedded_twin(&self, path: &str) -> Option<PathBuf> {
+        let twin = Path::new(EMBEDDED_GRAPHS).join(path);
+        self.embedded_bytes(&twin).map(|_| twin)
+    }
+}
+
+/// Whether a path names a file inside the program: `embedded:/…`.
+#[must_use]
+pub fn is_embedded(path: &Path) -> bool {
+    path.starts_with(EMBEDDED)
 }
 
 /// A kind of source.

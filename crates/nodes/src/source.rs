@@ -6,11 +6,11 @@ pub mod transfer;
 pub mod volume;
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use volgraph_graph::Folders;
-use volgraph_report::Finding;
+use volgraph_graph::{Folders, is_embedded};
+use volgraph_report::{Finding, Findings};
 use volgraph_shader::ParamValue;
 
 /// The given fields of a source, already checked against its kind's specs.
@@ -26,6 +26,7 @@ impl Given<'_> {
 
     fn path(&self, name: &str, folders: &Folders) -> Result<PathBuf, Finding> {
         match self.text(name) {
+            Some(path) if is_embedded(Path::new(path)) => self.embedded(path, folders),
             Some(path) if !path.is_empty() => Ok(folders.find(path)),
             _ => Err(
                 Finding::error("missing-field", format!("the field `{name}` is missing")).help(
@@ -35,6 +36,38 @@ impl Given<'_> {
                 ),
             ),
         }
+    }
+
+    fn embedded(&self, path: &str, folders: &Folders) -> Result<PathBuf, Finding> {
+        let file = folders.find(path);
+        match folders.embedded_bytes(&file) {
+            Some(_) => Ok(file),
+            None => Err(Finding::error("io", format!("volgraph carries no file `{path}`"))
+                .help("`volgraph graphs` lists the ready graphs, and `volgraph graphs NAME` shows which files one reads")),
+        }
+    }
+
+    /// Where the file is missing and volgraph carries one of its name, that one is the remedy, and never the file.
+    fn with_twin(
+        &self,
+        findings: Findings,
+        name: &str,
+        file: &Path,
+        folders: &Folders,
+    ) -> Findings {
+        let twin = self
+            .text(name)
+            .filter(|_| !file.exists())
+            .and_then(|path| folders.embedded_twin(path));
+        let Some(twin) = twin else { return findings };
+        let help = format!(
+            "put the file there, or write `{name}: \"{}\"` for the one that volgraph carries",
+            twin.display()
+        );
+        findings
+            .into_iter()
+            .map(|finding| finding.help(help.as_str()))
+            .collect()
     }
 
     fn is_set(&self, name: &str) -> bool {

@@ -50,16 +50,20 @@ pub(crate) fn open(path: &Path) -> Result<(Format, BufReader<File>, u64), Pictur
         .read_to_end(&mut head)
         .map_err(failed)?;
     reader.seek(SeekFrom::Start(0)).map_err(failed)?;
-    let format = if head.starts_with(&PNG_MAGIC) {
-        Format::Png
+    Ok((format_of_content(path, &head)?, reader, metadata.len()))
+}
+
+/// The format that a file's first bytes tell.
+pub(crate) fn format_of_content(path: &Path, head: &[u8]) -> Result<Format, PictureError> {
+    if head.starts_with(&PNG_MAGIC) {
+        Ok(Format::Png)
     } else if head.starts_with(&EXR_MAGIC) {
-        Format::Exr
+        Ok(Format::Exr)
     } else {
-        return Err(PictureError::NotAPicture {
+        Err(PictureError::NotAPicture {
             path: path.to_path_buf(),
-        });
-    };
-    Ok((format, reader, metadata.len()))
+        })
+    }
 }
 
 /// Refuses a header that asks for far more bytes than its file can hold.

@@ -17,6 +17,7 @@ mod files;
 mod png_file;
 pub mod srgb;
 
+use std::io::{BufRead, Cursor, Seek};
 use std::path::Path;
 
 pub use error::PictureError;
@@ -200,17 +201,35 @@ impl Picture {
     /// is far too short for, before a buffer of that size is made.
     pub fn load(path: &Path) -> Result<Self, PictureError> {
         let (format, reader, file_len) = files::open(path)?;
-        let decoded = match format {
-            Format::Png => png_file::decode(reader, file_len),
-            Format::Exr => exr_file::decode(reader, file_len),
-        };
-        let mut picture = decoded.map_err(|cause| PictureError::Decode {
-            path: path.to_path_buf(),
-            cause,
-        })?;
-        picture.metadata.sort();
-        Ok(picture)
+        decode(path, format, reader, file_len)
     }
+
+    /// The same of a file's content that is in memory; `path` is its name for errors.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, PictureError> {
+        let format = files::format_of_content(path, bytes)?;
+        decode(path, format, Cursor::new(bytes), bytes.len() as u64)
+    }
+}
+
+fn decode(
+    path: &Path,
+    format: Format,
+    reader: impl BufRead + Seek,
+    file_len: u64,
+) -> Result<Picture, PictureError> {
+    let decoded = match format {
+        Format::Png => png_file::decode(reader, file_len),
+        Format::Exr => exr_file::decode(reader, file_len),
+    };
+    let mut picture = decoded.map_err(|cause| PictureError::Decode {
+        path: path.to_path_buf(),
+        cause,
+    })?;
+    picture.metadata.sort();
+    Ok(picture)
 }
 
 /// The number of pixels, where it is within the limits.

@@ -22,8 +22,8 @@ use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use naga::{Function, ShaderStage};
 use volgraph_report::{Finding, Findings, Place};
 
+use crate::Module;
 use crate::check::with_room;
-use crate::{Module, diagnose};
 use code::{Code, Shared};
 use facts::{Facts, Reach};
 
@@ -147,10 +147,7 @@ fn guard_here(
     let (naga, sites, counters) = shared.finish();
     let info = Validator::new(ValidationFlags::all(), capabilities)
         .validate(&naga)
-        .map_err(|error| {
-            let finding = diagnose::validation_error(&module.linked, &naga, &error);
-            format!("naga refuses the guarded module: {}", finding.message)
-        })?;
+        .map_err(|error| format!("naga refuses the guarded module: {}", error.as_inner()))?;
     let entries_with_sites: Vec<String> = naga
         .entry_points
         .iter()

@@ -1,10 +1,14 @@
 //! The arguments of all commands.
 
+mod authors;
+
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand};
 use volgraph::{AdapterChoice, CameraDesc, Overrides, ParamOverride, ShaderFolders};
 use volgraph_volume::ScalarType;
+
+pub use authors::{GraphsArgs, NewArgs, NewSlot, TestArgs};
 
 /// Draws volumes with WGSL shaders that plug into a render graph, and says how wrong each picture is.
 #[derive(Parser, Debug)]
@@ -22,11 +26,15 @@ pub enum Command {
     Render(RenderArgs),
     /// Print what a graph comes to: nodes, bindings, sizes, memory, conventions.
     Plan(PlanArgs),
-    /// Check shaders, graphs and transfer functions, without a GPU; folders are searched.
+    /// Check shaders, graphs, transfer functions and test cases, without a GPU; folders are searched.
     ///
     /// A volume file that is not there is a warning: a small volume stands in for it, so that the rest of its graph is
     /// checked wherever the data is. Exit code 1 means errors.
     Check(CheckArgs),
+    /// Write a shader of your own to start from, with a graph that draws it and a test.
+    New(NewArgs),
+    /// Run test cases of shaders; folders are searched. Exit code 1 means that one failed.
+    Test(TestArgs),
     /// Print a volume's dimensions, placement and statistics.
     Info(InfoArgs),
     /// Print a shader with everything it imports as one WGSL text, each part with the file it comes from.
@@ -38,6 +46,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// List node kinds and source kinds with their ports and parameters.
     Nodes(NodesArgs),
+    /// List the ready graphs, print one, or copy one into a folder to start from.
+    Graphs(GraphsArgs),
     /// List the adapters, the best first.
     Adapters(AdaptersArgs),
     /// Time the frames of a graph while the camera turns.
@@ -87,7 +97,7 @@ pub struct DataArgs {
 /// What all commands on graphs share.
 #[derive(ClapArgs, Debug)]
 pub struct SceneArgs {
-    /// The graph file.
+    /// The graph file; or the name of a ready graph (`volgraph graphs` lists them), where there is no such file.
     pub graph: PathBuf,
     /// Width and height of the picture in pixels.
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = parse_size)]

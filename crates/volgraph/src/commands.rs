@@ -5,18 +5,23 @@ mod bench;
 mod check;
 mod compare;
 mod errors;
+mod graphs;
 mod info;
 mod link;
+mod new;
 mod nodes;
 mod plan;
 mod render;
 mod shader_tree;
+mod test;
 mod watch;
+mod write;
 
 use std::path::Path;
 use std::process::ExitCode;
 
 use volgraph::{Findings, Scene, SessionOptions, registry};
+use volgraph_graph::is_embedded;
 use volgraph_picture::{PictureError, PngBits};
 
 use crate::args::{Command, SceneArgs};
@@ -33,6 +38,9 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Link(args) => link::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Nodes(args) => nodes::run(&args),
+        Command::New(args) => new::run(&args),
+        Command::Test(args) => test::run(&args),
+        Command::Graphs(args) => graphs::run(&args),
         Command::Adapters(args) => adapters::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Watch(args) => watch::run(&args),
@@ -51,6 +59,13 @@ fn load(args: &SceneArgs) -> anyhow::Result<Scene> {
     );
     bars.clear();
     let scene = loaded?;
+    if scene.path != args.graph && is_embedded(&scene.path) {
+        output::note(&format!(
+            "there is no file {} here; this is volgraph's own {}",
+            args.graph.display(),
+            scene.path.display()
+        ));
+    }
     for (source, warning) in scene.warnings() {
         output::warn(&format!("source {source}: {warning}"));
     }

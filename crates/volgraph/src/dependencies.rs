@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
+use volgraph_graph::is_embedded;
 use volgraph_shader::{ShaderFiles, SnapshotFiles};
 use volgraph_watch::{Seen, Stamp};
 
@@ -24,11 +25,12 @@ impl Dependencies {
     pub fn of(scene: &Scene, snapshot: &SnapshotFiles) -> Self {
         let mut files = scene.data.clone();
         files.extend(shaders(snapshot));
-        files.insert(scene.path.clone(), Seen::bytes(scene.text.as_bytes()));
-        Self {
+        let mut dependencies = Self {
             files,
             folders: BTreeSet::new(),
-        }
+        };
+        dependencies.note_graph(&scene.path, Some(&scene.text));
+        dependencies
     }
 
     /// Takes note of a graph's text (`None` where it cannot be read) and of what changed, as an attempt finds them
@@ -56,13 +58,16 @@ impl Dependencies {
 
     /// Takes note of a graph's text; `None` where it cannot be read.
     pub(crate) fn note_graph(&mut self, graph: &Path, text: Option<&String>) {
+        if is_embedded(graph) {
+            return;
+        }
         let text = text.map_or_else(|| as_it_is(graph), |text| Seen::bytes(text.as_bytes()));
         self.files.insert(graph.to_path_buf(), text);
     }
 
     /// What a source's load looked for and found or not, where it failed.
     pub(crate) fn note_failed_source(&mut self, asked: &BTreeSet<PathBuf>) {
-        for path in asked {
+        for path in asked.iter().filter(|path| !is_embedded(path)) {
             self.files.insert(path.clone(), as_it_is(path));
             // Its header may name other files: anything beside it may mend it.
             if let (true, Some(folder)) = (path.exists(), path.parent()) {

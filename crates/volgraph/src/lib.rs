@@ -3,7 +3,8 @@
 //! The way of the data: [`Scene::load`] reads a graph file and its sources, with the [`Overrides`] of the command
 //! line; [`Scene::plan`] decides everything without a GPU. A [`Session`] opens a device, installs the plan and
 //! renders [`Picture`]s, as often as wanted: what did not change is not done again. [`metadata`] is what every
-//! picture carries, so that it can be rendered again. [`ShaderFolders`] says where shaders are looked for.
+//! picture carries, so that it can be rendered again. [`ShaderFolders`] says where shaders are looked for, and
+//! [`embedded`] what volgraph carries within itself.
 //!
 //! ```no_run
 //! use volgraph::{Session, SessionOptions};
@@ -15,14 +16,18 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod case;
 mod dependencies;
+pub mod embedded;
 pub mod metadata;
 mod overrides;
 mod scene;
 mod session;
 mod shaders;
 
+pub use case::{Case, CaseOptions};
 pub use dependencies::Dependencies;
+pub use embedded::{EMBEDDED_GRAPHS, ReadyGraph, ready_graphs};
 pub use overrides::{Overrides, ParamOverride};
 pub use scene::{NoProgress, Scene, SourceProgress};
 pub use session::{

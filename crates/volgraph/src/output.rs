@@ -1,9 +1,10 @@
 //! What the command line prints: results on standard output, findings and warnings on standard error.
 
 use std::io::{IsTerminal, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
-use volgraph::Findings;
+use volgraph::{Findings, embedded};
 use volgraph_report::excerpt;
 
 /// Prints a result. A closed pipe (as of `| head`) is no error worth a panic, here and below.
@@ -25,6 +26,11 @@ pub fn warn(text: &str) {
     tell(&format!("warning: {text}"));
 }
 
+/// Prints what the user should know of, and need not change.
+pub fn note(text: &str) {
+    tell(&format!("note: {text}"));
+}
+
 /// Nobody reads more findings than this at once.
 const MAX_SHOWN: usize = 100;
 
@@ -37,7 +43,7 @@ pub fn report(findings: &Findings) {
         .take(MAX_SHOWN)
         .map(|finding| (*finding).clone())
         .collect();
-    tell(&excerpt::render(&shown, excerpt::from_disk, color));
+    tell(&excerpt::render(&shown, source_text, color));
     if sorted.len() > MAX_SHOWN {
         tell(&format!(
             "\n… and {} more findings",
@@ -50,6 +56,14 @@ pub fn report(findings: &Findings) {
 pub fn report_warnings(warnings: &Findings) {
     if !warnings.is_empty() {
         report(warnings);
+    }
+}
+
+/// The text of a file for an excerpt: from the disk, or one that volgraph carries.
+fn source_text(file: &Path) -> Option<String> {
+    match embedded::text(file) {
+        Some(text) => Some(text.to_owned()),
+        None => excerpt::from_disk(file),
     }
 }
 

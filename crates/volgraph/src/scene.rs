@@ -10,13 +10,14 @@ use indexmap::IndexMap;
 use naga::valid::Capabilities;
 use volgraph_graph::demand::ShaderLibrary;
 use volgraph_graph::{
-    Folders, GraphDesc, Limits, Plan, PlanRequest, Registry, Source, SourceDesc, read, sources,
+    GraphDesc, Limits, Plan, PlanRequest, Registry, Source, SourceDesc, is_embedded, read, sources,
 };
 use volgraph_report::{Finding, Findings, Place};
 use volgraph_shader::{ShaderFiles, ShaderRoots};
 use volgraph_watch::Seen;
 
 use crate::dependencies::{Dependencies, data_since};
+use crate::embedded;
 use crate::overrides::Overrides;
 use crate::shaders::ShaderFolders;
 
@@ -39,7 +40,7 @@ impl SourceProgress for NoProgress {
 
 /// A loaded graph.
 pub struct Scene {
-    /// The graph file.
+    /// The graph file; `embedded:/graphs/…` for one of volgraph's own.
     pub path: PathBuf,
     /// Its text.
     pub text: String,
@@ -58,7 +59,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Reads a graph file and all of its sources.
+    /// Reads a graph file and all of its sources. Where there is no such file, the name may be that of a ready graph
+    /// ([`embedded::locate`]).
     ///
     /// # Errors
     /// Everything wrong with the file and the sources, together.
@@ -89,6 +91,7 @@ impl Scene {
         progress: &dyn SourceProgress,
         dependencies: &mut Dependencies,
     ) -> Result<Self, Findings> {
+        let path = &*embedded::locate(path);
         let text = read_text(path);
         dependencies.note_graph(path, text.as_ref().ok());
         let scene = Self {
@@ -166,7 +169,7 @@ impl Scene {
         self.desc = read::graph(&self.path, &self.text)?;
         self.overrides.apply(&mut self.desc)?;
         let report = |source: &str, done: u64, total: u64| progress.progress(source, done, total);
-        let folders = Folders::new(folder_of(&self.path), &self.overrides.data);
+        let folders = embedded::folders(&self.path, &self.overrides.data);
         let began = SystemTime::now();
         let (sources, mut findings) =
             sources::reload(&self.desc, &self.registry, &folders, loaded, &report);
@@ -174,7 +177,8 @@ impl Scene {
         for (name, source) in &sources {
             let desc = self.desc.sources.get(name);
             let is_shared = desc.is_some_and(|desc| loaded(name, desc).is_some());
-            for file in source.files() {
+            let on_disk = |file: &PathBuf| !is_embedded(file);
+            for file in source.files().into_iter().filter(on_disk) {
                 let seen = match before.get(&file) {
                     Some(seen) if is_shared => seen.clone(),
                     _ => data_since(&file, began),
@@ -198,19 +202,24 @@ impl Scene {
     /// The shaders, for a device with these capabilities.
     #[must_use]
     pub fn shader_library(&self, capabilities: Capabilities) -> ShaderLibrary {
-        let base = folder_of(&self.path);
+        let folder = self.graph_folder();
         ShaderLibrary::new(
-            self.shader_folders.roots(Some(&base)),
+            self.shader_folders.roots(folder.as_deref()),
             capabilities,
-            Some(base),
+            Some(folder.unwrap_or_else(|| PathBuf::from("."))),
         )
     }
 
     /// Where its shaders are looked for, with the files from this store.
     #[must_use]
     pub fn shader_roots(&self, files: Arc<dyn ShaderFiles>) -> ShaderRoots {
-        let base = folder_of(&self.path);
-        self.shader_folders.roots_in(files, Some(&base))
+        self.shader_folders
+            .roots_in(files, self.graph_folder().as_deref())
+    }
+
+    /// The folder of the graph; none for an embedded one, whose paths of shaders start at the current folder.
+    fn graph_folder(&self) -> Option<PathBuf> {
+        (!is_embedded(&self.path)).then(|| folder_of(&self.path))
     }
 
     /// Decides everything for a device with these limits and a picture of this size. `with_layers` asks for the
@@ -276,10 +285,13 @@ impl Scene {
 
 /// Reads a text file of at most 4 MiB.
 pub(crate) fn read_text(path: &Path) -> Result<String, Findings> {
+    if let Some(text) = embedded::text(path) {
+        return Ok(text.to_owned());
+    }
     let unreadable = |error: std::io::Error| {
         Finding::error("io", format!("the graph cannot be read: {error}"))
             .at(Place::whole_file(path))
-            .help("check that the path names a graph file in RON that you may read")
+            .help(embedded::missing_graph_help(path))
     };
     let metadata = fs::metadata(path).map_err(unreadable)?;
     if metadata.is_dir() || metadata.len() > MAX_GRAPH_BYTES {

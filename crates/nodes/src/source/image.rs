@@ -51,9 +51,15 @@ impl SourceKind for ImageKind {
         folders: &Folders,
         _progress: volgraph_graph::Progress<'_>,
     ) -> Result<Arc<dyn Source>, Findings> {
-        let path = Given(params).path("path", folders)?;
-        let picture = Picture::load(&path).map_err(|error| {
-            Finding::error("image", error.to_string()).at(Place::whole_file(&path))
+        let given = Given(params);
+        let path = given.path("path", folders)?;
+        let picture = match folders.embedded_bytes(&path) {
+            Some(bytes) => Picture::from_bytes(&path, bytes),
+            None => Picture::load(&path),
+        };
+        let picture = picture.map_err(|error| {
+            let finding = Finding::error("image", error.to_string()).at(Place::whole_file(&path));
+            given.with_twin(finding.into(), "path", &path, folders)
         })?;
         let mut hasher = volgraph_graph::fingerprint::Hasher::new();
         hasher.part(&picture.width.to_le_bytes());

@@ -50,9 +50,17 @@ impl SourceKind for TransferKind {
         folders: &Folders,
         _progress: volgraph_graph::Progress<'_>,
     ) -> Result<Arc<dyn Source>, Findings> {
-        let path = Given(params).path("path", folders)?;
-        let transfer = Arc::new(TransferFunction::load(&path)?);
-        Ok(Arc::new(TransferSource { transfer, path }))
+        let given = Given(params);
+        let path = given.path("path", folders)?;
+        let transfer = match folders.embedded_bytes(&path) {
+            Some(bytes) => TransferFunction::parse(&path, &String::from_utf8_lossy(bytes))?,
+            None => TransferFunction::load(&path)
+                .map_err(|findings| given.with_twin(findings, "path", &path, folders))?,
+        };
+        Ok(Arc::new(TransferSource {
+            transfer: Arc::new(transfer),
+            path,
+        }))
     }
 }
 

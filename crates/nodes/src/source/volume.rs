@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
-use volgraph_graph::{Digest, Folders, PortType, Source, SourceKind};
+use volgraph_graph::{Digest, EMBEDDED_GRAPHS, Folders, PortType, Source, SourceKind};
 use volgraph_report::{Finding, Findings};
 use volgraph_shader::{ParamSpec, ParamValue};
 use volgraph_volume::{LoadOptions, ScalarType, Volume};
@@ -83,7 +83,9 @@ impl SourceKind for VolumeKind {
         let given = Given(params);
         let path = given.path("path", folders)?;
         if !path.exists() {
-            return Err(Finding::error("data-missing", format!("the volume file {} is not there", path.display()))
+            // A ready graph has no folder of its own on the disk.
+            let file = path.strip_prefix(EMBEDDED_GRAPHS).unwrap_or(&path);
+            return Err(Finding::error("data-missing", format!("the volume file {} is not there", file.display()))
                 .help("name the folder that has it with `--data FOLDER` or in VOLGRAPH_DATA, or the file with `--volume`")
                 .into());
         }

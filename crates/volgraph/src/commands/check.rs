@@ -2,12 +2,12 @@
 //!
 //! The way of the data: paths become files, folders searched for `.wgsl` and `.ron`, each file once; every shader is
 //! linked and checked alone with the default choices of the slots it imports, every choice of a slot in its slot as
-//! well ([`shaders`]); a `.ron` file is what its fields say, a graph ([`graphs`]) or a transfer function. A graph is
-//! loaded and planned for what WebGPU guarantees (with filtered floats). Where a volume file is not there, a volume
+//! well ([`shaders`]); a `.ron` file is what its fields say, a graph ([`graphs`]), a transfer function or a test case
+//! (whose graphs and names must be there). A graph is loaded and planned for what WebGPU guarantees (with filtered floats). Where a volume file is not there, a volume
 //! of 2×2×2 voxels stands in for it, and the finding `data-missing` is a warning: shaders and ports are checked
 //! wherever the data is. All findings come at once, in the order of their places; errors alone give exit code 1.
 
-mod format;
+pub(super) mod format;
 pub mod graphs;
 mod shaders;
 
@@ -18,7 +18,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use volgraph::{Finding, Findings, Place, registry};
+use volgraph::{Case, Finding, Findings, Place, case, embedded, registry};
 use volgraph_optics::TransferFunction;
 use volgraph_report::ron_text::Document;
 
@@ -65,7 +65,7 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
 }
 
 /// All files that these paths name, sorted, each once.
-fn files(paths: &[PathBuf], findings: &mut Findings) -> Vec<PathBuf> {
+pub(super) fn files(paths: &[PathBuf], findings: &mut Findings) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for path in paths {
         match fs::metadata(path) {
@@ -79,7 +79,15 @@ fn files(paths: &[PathBuf], findings: &mut Findings) -> Vec<PathBuf> {
                 .at(Place::whole_file(path))
                 .help("name a shader, a graph, a transfer function, or a folder of these"),
             ),
-            Err(error) => findings.push(unreadable(path, &error)),
+            Err(error) => {
+                // A graph or transfer function that volgraph carries.
+                let embedded = embedded::locate(path);
+                if embedded::text(&embedded).is_some() {
+                    files.push(embedded);
+                } else {
+                    findings.push(unreadable(path, &error));
+                }
+            }
         }
     }
     // As the linker names them: `a.wgsl`, not `./a.wgsl`.
@@ -122,7 +130,7 @@ fn unreadable(path: &Path, error: &std::io::Error) -> Finding {
         .help("check that the path is right and that you may read it")
 }
 
-/// A graph or a transfer function, by its fields.
+/// A test case, a graph or a transfer function, by its fields.
 fn check_ron(path: &Path, graphs: &graphs::Checker<'_>) -> Findings {
     let text = match read(path) {
         Ok(text) => text,
@@ -140,20 +148,30 @@ fn check_ron(path: &Path, graphs: &graphs::Checker<'_>) -> Findings {
             .iter()
             .any(|entry| names.contains(&entry.name.as_str()))
     };
-    if has(&["nodes", "sources", "outputs"]) {
+    if case::is_case(entries.iter().map(|entry| entry.name.as_str())) {
+        match Case::parse(path, &text) {
+            Ok(case) => case.check(),
+            Err(findings) => findings,
+        }
+    } else if has(&["nodes", "sources", "outputs"]) {
         graphs.check(path, text)
     } else if has(&["points", "color", "opacity", "extinction", "domain"]) {
-        TransferFunction::load(path).err().unwrap_or_default()
+        TransferFunction::parse(path, &text)
+            .err()
+            .unwrap_or_default()
     } else {
-        Finding::error("unknown-file", "this is neither a graph nor a transfer function")
+        Finding::error("unknown-file", "this is neither a graph, nor a transfer function, nor a test case")
             .at(Place::whole_file(path))
-            .help("a graph has `nodes` and `outputs`; a transfer function has `points`, or `color` and `opacity`")
+            .help("a graph has `nodes` and `outputs`; a transfer function has `points`, or `color` and `opacity`; a test case has `test: 1`")
             .into()
     }
 }
 
 /// The text of a RON file of bearable length.
 pub fn read(path: &Path) -> Result<String, Finding> {
+    if let Some(text) = embedded::text(path) {
+        return Ok(text.to_owned());
+    }
     let metadata = fs::metadata(path).map_err(|error| unreadable(path, &error))?;
     if metadata.len() > MAX_RON_BYTES {
         return Err(

@@ -136,8 +136,8 @@ impl Shaders {
     }
 }
 
-/// The first sentence of the comment at the start of a shader.
-fn first_sentence(text: &str) -> String {
+/// The first sentence of the comment at the start of a shader or graph.
+pub(super) fn first_sentence(text: &str) -> String {
     let lines = text
         .lines()
         .map_while(|line| line.trim().strip_prefix("//"));

@@ -5,6 +5,7 @@
 mod bad_input;
 mod commands;
 mod link;
+mod new;
 mod planted;
 mod watch;
 

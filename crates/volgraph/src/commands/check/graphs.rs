@@ -7,9 +7,9 @@ use glam::DVec3;
 use indexmap::IndexMap;
 use naga::valid::Capabilities;
 use volgraph::{
-    Finding, Findings, Limits, Overrides, Registry, Scene, ShaderFolders, SourceProgress,
+    Finding, Findings, Limits, Overrides, Registry, Scene, ShaderFolders, SourceProgress, embedded,
 };
-use volgraph_graph::{Folders, Source, SourceDesc, read, resolve, sources};
+use volgraph_graph::{EMBEDDED_GRAPHS, Folders, Source, SourceDesc, read, resolve, sources};
 use volgraph_nodes::source::volume::VolumeSource;
 use volgraph_shader::ParamValue;
 use volgraph_volume::{Grid, Volume};
@@ -61,11 +61,7 @@ impl Checker<'_> {
     ) -> Option<Scene> {
         let mut desc = findings.take_all(read::graph(path, &text))?;
         findings.take_all(overrides.apply(&mut desc))?;
-        let folder = path
-            .parent()
-            .filter(|folder| !folder.as_os_str().is_empty())
-            .unwrap_or(Path::new("."));
-        let folders = Folders::new(folder, self.data);
+        let folders = embedded::folders(path, self.data);
         let mut loaded = IndexMap::new();
         let bars = Bars::new();
         for (name, source) in &desc.sources {
@@ -138,7 +134,8 @@ fn missing_volume<'d>(
         return None;
     };
     let file = folders.find(text);
-    (!file.exists()).then_some((path, file))
+    let shown = file.strip_prefix(EMBEDDED_GRAPHS).map(Path::to_path_buf);
+    (!file.exists()).then(|| (path, shown.unwrap_or(file)))
 }
 
 /// Eight voxels over the whole range of their type.

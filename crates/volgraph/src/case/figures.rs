@@ -1,0 +1,78 @@
+//! What is measured of pictures besides their difference.
+
+use volgraph_picture::Picture;
+
+/// Below this root mean square error, f32 is all that two pictures differ by, and no order can be told.
+const ROUNDING: f64 = 1e-6;
+
+/// The order of convergence from the errors of one halving after the other: minus the slope of the line that fits
+/// their base-2 logarithms best. Errors from the first on that is no more than rounding tell nothing; `None` where fewer
+/// than two are left.
+pub(super) fn order_of(errors: &[f64]) -> Option<f64> {
+    let logs: Vec<f64> = errors
+        .iter()
+        .take_while(|error| **error > ROUNDING)
+        .map(|error| error.log2())
+        .collect();
+    if logs.len() < 2 {
+        return None;
+    }
+    let count = logs.len() as f64;
+    let middle = 0.5 * (count - 1.0);
+    let mean = logs.iter().sum::<f64>() / count;
+    let (mut along, mut square) = (0.0, 0.0);
+    for (at, log) in logs.iter().enumerate() {
+        let aside = at as f64 - middle;
+        along += aside * (log - mean);
+        square += aside * aside;
+    }
+    Some(-along / square)
+}
+
+/// Pixels with a colour or opacity that is not finite, or a depth that is not a number.
+pub(super) fn not_finite(picture: &Picture) -> usize {
+    let is_bad = |at: usize, color: &[f32; 4]| {
+        let opacity = picture.opacity.as_ref().and_then(|opacity| opacity.get(at));
+        let depth = picture.depth.as_ref().and_then(|depth| depth.get(at));
+        color.iter().any(|value| !value.is_finite())
+            || opacity.is_some_and(|opacity| !opacity.is_finite())
+            || depth.is_some_and(|depth| depth.is_nan())
+    };
+    let pixels = picture.color.iter().enumerate();
+    pixels.filter(|(at, color)| is_bad(*at, color)).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_order_is_the_slope_of_the_errors_above_rounding() {
+        let order = |errors: &[f64]| order_of(errors).map(|order| (order * 1e6).round() / 1e6);
+        assert_eq!(order(&[0.4, 0.1]), Some(2.0));
+        assert_eq!(order(&[0.4, 0.2, 0.1, 0.05]), Some(1.0));
+        // One that wavers counts less among four: the slopes between neighbours are 1, 3, 2.
+        assert_eq!(order(&[0.64, 0.32, 0.04, 0.01]), Some(2.1));
+        assert_eq!(order(&[0.4, 0.1, 1e-7, 0.1]), Some(2.0));
+        assert_eq!(order(&[0.1, 0.4]), Some(-2.0));
+        for none in [&[0.4][..], &[0.4, 1e-7], &[]] {
+            assert_eq!(order(none), None);
+        }
+    }
+
+    #[test]
+    fn whatever_is_not_a_number_is_counted_once_a_pixel() {
+        let mut picture = Picture::from_color(2, 2, vec![[0.0, 0.5, 2.0, 1.0]; 4]).unwrap();
+        picture.depth = Some(vec![f32::INFINITY; 4]);
+        picture.opacity = Some(vec![0.0; 4]);
+        assert_eq!(not_finite(&picture), 0);
+        picture.color[0] = [f32::NAN, f32::INFINITY, 0.0, 0.0];
+        picture.depth = Some(vec![1.0, f32::NAN, 1.0, 1.0]);
+        picture.opacity = Some(vec![f32::NAN, 0.0, f32::INFINITY, 0.0]);
+        assert_eq!(not_finite(&picture), 3);
+        picture.opacity = None;
+        assert_eq!(not_finite(&picture), 2);
+        picture.depth = None;
+        assert_eq!(not_finite(&picture), 1);
+    }
+}

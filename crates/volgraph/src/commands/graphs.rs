@@ -1,0 +1,80 @@
+//! `volgraph graphs`: the graphs that volgraph carries, to draw as they are or to start from.
+
+use std::process::ExitCode;
+
+use serde_json::json;
+use volgraph::{Finding, Findings, ReadyGraph, ready_graphs};
+use volgraph_report::did_you_mean;
+
+use super::nodes::first_sentence;
+use super::write;
+use crate::args::GraphsArgs;
+use crate::output;
+
+pub fn run(args: &GraphsArgs) -> anyhow::Result<ExitCode> {
+    let graphs = ready_graphs();
+    let Some(name) = &args.name else {
+        if args.json {
+            output::print_json(&graphs.iter().map(json).collect());
+        } else {
+            output::print(&text(&graphs));
+        }
+        return Ok(ExitCode::SUCCESS);
+    };
+    let wanted = name.strip_suffix(".ron").unwrap_or(name);
+    let Some(graph) = graphs.iter().find(|graph| graph.name == wanted) else {
+        let known = graphs.iter().map(|graph| graph.name.as_str());
+        let finding = Finding::error("unknown-graph", format!("no ready graph is named `{name}`"))
+            .help_opt(did_you_mean(wanted, known));
+        return Err(Findings::from(finding).into());
+    };
+    if args.write {
+        let existing = if args.force {
+            write::Existing::Replaced
+        } else {
+            write::Existing::KeptUnlessForced
+        };
+        for path in write::files(&args.folder, &graph.files(), existing)? {
+            output::print(&format!("wrote {}", path.display()));
+        }
+    } else if args.json {
+        output::print_json(&json(graph));
+    } else {
+        output::print(graph.text);
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn json(graph: &ReadyGraph) -> serde_json::Value {
+    let files = graph.files();
+    json!({
+        "name": graph.name,
+        "path": graph.path.display().to_string(),
+        "draws": first_sentence(graph.text),
+        "files": files.iter().map(|(path, _)| path.display().to_string()).collect::<Vec<_>>(),
+        "needs": graph.volumes(),
+    })
+}
+
+/// One line each: its name, what it draws, and the volume files that it needs.
+fn text(graphs: &[ReadyGraph]) -> String {
+    let width = graphs
+        .iter()
+        .map(|graph| graph.name.len())
+        .max()
+        .unwrap_or(0);
+    let lines = graphs.iter().map(|graph| {
+        let volumes = graph.volumes();
+        let needs = if volumes.is_empty() {
+            "needs no file".to_owned()
+        } else {
+            format!("needs {}", volumes.join(", "))
+        };
+        format!(
+            "{:width$}  {} [{needs}]",
+            graph.name,
+            first_sentence(graph.text)
+        )
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
