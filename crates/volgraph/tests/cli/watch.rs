@@ -411,7 +411,7 @@ fn parameters_keep_their_values_by_name() {
         fs::write(path_of(folder, "live"), text.replace("FACTOR", factor)).unwrap();
     };
     let gain = "    /// Gain. @default 1 @range 0 4\n    gain: f32,\n";
-    let tint = "    /// Tint. @default (1, 1, 1) @range 0 1\n    tint: vec3f,\n";
+    let tint = "    /// Tint. @default 1 1 1 @range 0 1\n    tint: vec3f,\n";
     with(gain, "params.gain");
     let sets = &["--set", "image.gain=0.25"];
     let watch = Watch::begin(folder, sets);
