@@ -34,6 +34,11 @@ pub enum Task {
         /// Whether what is missing may be installed.
         may_install: bool,
     },
+    /// Time from a save to the picture on disk, per stage.
+    BenchLive {
+        /// How many edits of each file.
+        edits: u32,
+    },
     /// Run fuzz targets.
     Fuzz {
         /// How long each runs.
@@ -52,6 +57,7 @@ usage: cargo xtask COMMAND
   test [ARGUMENT…]        set up, build, and run all tests; arguments go to the test runner
   check                   format, clippy and documentation, warnings denied
   ci                      check, then test
+  bench-live [EDITS]      time from a save to the picture on disk, per stage, over so many edits (50)
   fuzz [SECONDS] [TARGET…] run each fuzz target for so long (600 s)
 
 `--no-install` behind setup, render, test, check or ci: install nothing, only say what is missing.";
@@ -84,10 +90,21 @@ impl Task {
             "test" => Ok(Self::Test { may_install, args }),
             "check" => alone(Self::Check { may_install }),
             "ci" => alone(Self::Ci { may_install }),
+            "bench-live" => bench_live(&args),
             "fuzz" => fuzz(&args),
             _ => Err(format!("there is no command `{command}`")),
         }
     }
+}
+
+fn bench_live(args: &[String]) -> Result<Task, String> {
+    let edits = match args {
+        [] => Some(50),
+        [edits] => edits.parse().ok().filter(|edits| *edits > 0),
+        _ => None,
+    };
+    let edits = edits.ok_or("behind `bench-live` comes at most a number of edits above 0")?;
+    Ok(Task::BenchLive { edits })
 }
 
 fn fuzz(args: &[String]) -> Result<Task, String> {
@@ -156,8 +173,16 @@ mod tests {
     }
 
     #[test]
+    fn bench_live_takes_a_number_of_edits() {
+        assert_eq!(parse("bench-live"), Ok(Task::BenchLive { edits: 50 }));
+        assert_eq!(parse("bench-live 7"), Ok(Task::BenchLive { edits: 7 }));
+    }
+
+    #[test]
     fn wrong_words_are_refused() {
         for line in [
+            "bench-live 0",
+            "bench-live 5 5",
             "",
             "rander",
             "setup now",

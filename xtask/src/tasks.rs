@@ -35,6 +35,7 @@ pub fn run(task: Task) -> Result<(), Failure> {
             check(&mut steps, may_install)?;
             test(&mut steps, may_install, &[])
         }
+        Task::BenchLive { edits } => bench_live(&mut steps, edits),
         Task::Fuzz { seconds, targets } => fuzz::run(&mut steps, seconds, &targets),
     }
 }
@@ -63,6 +64,24 @@ fn render(steps: &mut Steps, may_install: bool, args: &[String]) -> Result<(), F
         }),
         Ok(()) => Ok(()),
     }
+}
+
+/// With the release profile, as people run it.
+fn bench_live(steps: &mut Steps, edits: u32) -> Result<(), Failure> {
+    let packages = ["-p", "volgraph", "-p", "volgraph-tests"];
+    let build = [
+        "build",
+        "--release",
+        "--bin",
+        "volgraph",
+        "--bin",
+        "live_bench",
+    ];
+    steps.run("build", cargo().args(build).args(packages))?;
+    let built = target_dir().join("release");
+    let mut bench = Command::new(built.join("live_bench"));
+    bench.arg(built.join("volgraph")).arg(edits.to_string());
+    steps.run("bench", &mut bench)
 }
 
 /// The documentation's examples first and the runner last, so that its summary is what one sees at the end.
