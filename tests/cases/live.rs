@@ -1,5 +1,7 @@
 //! A session that is edited while it lives draws what a fresh one would, or keeps what it drew last.
 
+#![expect(clippy::unwrap_used, reason = "a case fails by panicking")]
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 

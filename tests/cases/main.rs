@@ -1,4 +1,4 @@
-//! All cases, one binary.
+//! All cases, one binary; only `live` has a process of its own, whose memory it measures.
 
 #![expect(clippy::unwrap_used, reason = "a case fails by panicking")]
 
@@ -6,6 +6,5 @@ mod accuracy;
 mod agreement;
 mod closed_forms;
 mod hazards;
-mod live;
 mod memory_of_work;
 mod plans;
