@@ -19,7 +19,9 @@ use volgraph_graph::{
 };
 use volgraph_optics::TransferFunction;
 use volgraph_report::{Findings, excerpt};
-use volgraph_shader::{LinkRequest, MemoryFiles, Module, ShaderRoots, check, link};
+use volgraph_shader::{
+    GuardRequest, LinkRequest, MemoryFiles, Module, ShaderRoots, check, guard, link,
+};
 use volgraph_volume::{LoadOptions, Volume, metaimage as meta, nrrd as near, parse_raw_name};
 
 static SHADERS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../shaders");
@@ -142,6 +144,21 @@ pub fn shader(data: &[u8]) {
     };
     if let Some(module) = checked(text) {
         let _ = format!("{:?}", module.info);
+        let names: Vec<String> = module
+            .entry_points()
+            .iter()
+            .map(|entry| entry.name.clone())
+            .collect();
+        let entries: Vec<&str> = names.iter().map(String::as_str).collect();
+        let request = GuardRequest {
+            max_steps: 1000,
+            entries: &entries,
+        };
+        let guarded = guard(&module, request, Capabilities::default());
+        // A module that naga takes is guarded, whatever is in it: only numbers of bindings can run out.
+        if let Some(reason) = &guarded.unguarded {
+            assert!(reason.contains("binding numbers"), "{reason}");
+        }
     }
 }
 
