@@ -166,7 +166,8 @@ impl Session {
         if let Change::Files(changed) = change {
             report.changed = roles(changed, &old.scene, &scene);
             if is_same(old, &scene, &plan) {
-                // What was looked at may have changed all the same: the watch set, say.
+                // Equal, but newer: what was looked at counts for what is looked at again.
+                self.state.scene = scene;
                 self.state.snapshot = snapshot;
                 self.state.shaders = shaders;
                 return Ok(None);

@@ -207,15 +207,19 @@ impl Watch {
         watch
     }
 
-    /// Nothing is drawn or refused for a while.
+    /// Nothing is drawn or refused for a while, and nothing is looked at again and again.
     fn is_quiet(&self) {
-        match self.lines.recv_timeout(QUIET) {
-            Err(RecvTimeoutError::Timeout) => {}
-            Ok(line) if line["event"] == "unchanged" || line["event"] == "watching" => {
-                self.is_quiet();
+        let mut heard = Vec::new();
+        while heard.len() < 10 {
+            match self.lines.recv_timeout(QUIET) {
+                Err(RecvTimeoutError::Timeout) => return,
+                Ok(line) if line["event"] == "unchanged" || line["event"] == "watching" => {
+                    heard.push(line.to_string());
+                }
+                other => panic!("nothing changed, and yet {other:?}"),
             }
-            other => panic!("nothing changed, and yet {other:?}"),
         }
+        panic!("files are looked at again and again: {heard:?}");
     }
 
     /// Waits until the picture is that of a fresh render of what lies on disk. The last picture's event.
@@ -300,8 +304,11 @@ fn every_save_is_seen(more: &[&str]) {
                 event["difference"]["max"]["error"].as_f64() > Some(0.0),
                 "{what}: {event}"
             );
-            // The same again is no change.
-            if how != Save::Burst {
+            if how == Save::Burst {
+                // Its last writes may each have given a picture.
+                while watch.lines.recv_timeout(QUIET).is_ok() {}
+            } else {
+                // The same again is no change.
                 save(&path, how, &content(file, edits));
                 watch.is_quiet();
             }
