@@ -1,6 +1,10 @@
 //! A session that is edited while it lives draws what a fresh one would, or keeps what it drew last.
 
 #![expect(clippy::unwrap_used, reason = "a case fails by panicking")]
+#![expect(
+    clippy::print_stdout,
+    reason = "what was measured is part of the result"
+)]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hash, Hasher};

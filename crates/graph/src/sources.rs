@@ -21,12 +21,15 @@ pub fn load(
     reload(desc, registry, folders, &|_, _| None, progress)
 }
 
+/// The loaded source for what a graph asks for under a name, where there is one.
+pub type Loaded<'a> = dyn Fn(&str, &SourceDesc) -> Option<Arc<dyn Source>> + 'a;
+
 /// As [`load`], except that the sources which `loaded` gives are taken as they are.
 pub fn reload(
     desc: &GraphDesc,
     registry: &Registry,
     folders: &Folders,
-    loaded: &dyn Fn(&str, &SourceDesc) -> Option<Arc<dyn Source>>,
+    loaded: &Loaded<'_>,
     progress: &(dyn Fn(&str, u64, u64) + Sync),
 ) -> (IndexMap<String, Arc<dyn Source>>, Findings) {
     let mut findings = Findings::new();

@@ -162,7 +162,7 @@ impl Scene {
     /// From the text to the graph and its sources.
     fn read(
         mut self,
-        loaded: &dyn Fn(&str, &SourceDesc) -> Option<Arc<dyn Source>>,
+        loaded: &sources::Loaded<'_>,
         progress: &dyn SourceProgress,
         dependencies: &mut Dependencies,
     ) -> Result<Self, Findings> {
