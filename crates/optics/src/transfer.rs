@@ -3,7 +3,7 @@
 //! A file (or text) is read once into two curves, one of colour and one of opacity or extinction; both are
 //! evaluated in float64 wherever someone asks. Its canonical RON text is also what its digest is taken of.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
@@ -130,6 +130,12 @@ impl TransferFunction {
             .at(Place::whole_file(path))
             .help("check that the path names a UTF-8 text file that you may read")
         };
+        let metadata = fs::metadata(path).map_err(unreadable)?;
+        if !metadata.is_file() {
+            // Reading a pipe or a device might never end.
+            let error = std::io::Error::other("it is no plain file");
+            return Err(unreadable(error).into());
+        }
         let mut text = String::new();
         // One byte more than allowed is enough for `parse` to refuse it by size.
         let limit = file::MAX_TEXT_BYTES as u64 + 1;

@@ -1,9 +1,11 @@
 //! Whole files only: what is written appears at once, what is read is a plain file with a known beginning.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::{Format, PictureError};
 
@@ -77,6 +79,23 @@ pub(crate) fn check_ratio(decoded_bytes: u64, file_len: u64) -> Result<(), Strin
     }
 }
 
+/// Files under their temporary names, until they are whole.
+static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes what is half written, and lets nothing more be begun: for a program that is about to end.
+pub fn abandon_unfinished() {
+    let unfinished = unfinished();
+    for file in &*unfinished {
+        // It may have become whole just now.
+        let _ = fs::remove_file(file);
+    }
+    std::mem::forget(unfinished);
+}
+
 /// Writes under another name in the same folder, then renames; `is_synced` waits for the disk before.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8], is_synced: bool) -> io::Result<()> {
     let (temporary, mut file) = create_beside(path)?;
@@ -88,6 +107,7 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8], is_synced: bool) -> io::Res
         // The first error is the one to tell; a leftover that cannot be removed either has the same cause.
         let _ = fs::remove_file(&temporary);
     }
+    unfinished().remove(&temporary);
     written
 }
 
@@ -100,8 +120,12 @@ fn create_beside(path: &Path) -> io::Result<(PathBuf, File)> {
         let count = COUNTER.fetch_add(1, Ordering::Relaxed);
         hidden.push(format!(".{}-{count}.part", std::process::id()));
         let temporary = path.with_file_name(hidden);
+        let mut unfinished = unfinished();
         match File::create_new(&temporary) {
-            Ok(file) => return Ok((temporary, file)),
+            Ok(file) => {
+                unfinished.insert(temporary.clone());
+                return Ok((temporary, file));
+            }
             // Left by a process that died and had our number; the counter moves on.
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             Err(error) => return Err(error),

@@ -21,6 +21,7 @@ use std::io::{BufRead, Cursor, Seek};
 use std::path::Path;
 
 pub use error::PictureError;
+pub use files::abandon_unfinished;
 
 /// Prefix of the metadata's keys on disk.
 const KEY_PREFIX: &str = "volgraph:";

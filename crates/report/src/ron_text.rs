@@ -28,9 +28,11 @@ impl<'s> Document<'s> {
     /// One `ron-syntax` finding at the place where the text stops being RON.
     pub fn parse(file: &'s Path, text: &'s str) -> Result<Value<'s>, Finding> {
         let doc = Self { file, text };
-        match ron::from_str::<&RawValue>(text) {
+        // Editors on Windows put a byte order mark before UTF-8.
+        let ron = text.strip_prefix('\u{feff}').unwrap_or(text);
+        match ron::from_str::<&RawValue>(ron) {
             Ok(raw) => Ok(Value::new(doc, raw)),
-            Err(error) => Err(doc.syntax(&error, 0)),
+            Err(error) => Err(doc.syntax(&error, text.len() - ron.len())),
         }
     }
 
@@ -413,6 +415,18 @@ mod tests {
             ("unknown-field", "did you mean `step`?".to_owned())
         );
         assert_eq!(codes.len(), 2);
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_no_part_of_the_text() {
+        let value = parse("\u{feff}(a: 1)").unwrap();
+        let fields = value.fields().unwrap();
+        assert_eq!(fields[0].name, "a");
+        // It is a character of the line, as editors count.
+        assert_eq!(at(&fields[0].name_place), (1, 3));
+        let error = parse("\u{feff}(a: 1").unwrap_err();
+        assert_eq!(at(error.place.as_ref().unwrap()).0, 1);
+        assert!(parse("(\u{feff}a: 1)").is_err());
     }
 
     #[test]

@@ -17,10 +17,10 @@ mod test;
 mod watch;
 mod write;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use volgraph::{Findings, Scene, SessionOptions, registry};
+use volgraph::{Finding, Findings, Place, Scene, SessionOptions, registry};
 use volgraph_graph::is_embedded;
 use volgraph_picture::{PictureError, PngBits};
 
@@ -59,6 +59,12 @@ fn load(args: &SceneArgs) -> anyhow::Result<Scene> {
     );
     bars.clear();
     let scene = loaded?;
+    tell_warnings(args, &scene);
+    Ok(scene)
+}
+
+/// Tells whose graph it is, and what the user should know of its sources.
+fn tell_warnings(args: &SceneArgs, scene: &Scene) {
     if scene.path != args.graph && is_embedded(&scene.path) {
         output::note(&format!(
             "there is no file {} here; this is volgraph's own {}",
@@ -69,7 +75,6 @@ fn load(args: &SceneArgs) -> anyhow::Result<Scene> {
     for (source, warning) in scene.warnings() {
         output::warn(&format!("source {source}: {warning}"));
     }
-    Ok(scene)
 }
 
 /// How a session for these arguments is opened; pictures carry depth and opacity where their file can.
@@ -89,14 +94,65 @@ fn extension(path: &Path) -> String {
 }
 
 /// Refuses a name that no picture can be saved to, before anything else is done.
-fn check_extension(output: &Path) -> Result<(), Findings> {
-    if ["png", "exr"].contains(&extension(output).as_str()) {
+fn check_output(output: &Path) -> Result<(), Findings> {
+    let path = output.to_path_buf();
+    let folder = folder_of(output);
+    let refused = |why: String| PictureError::Io {
+        path: path.clone(),
+        source: std::io::Error::other(why),
+    };
+    let error = if !["png", "exr"].contains(&extension(output).as_str()) {
+        PictureError::Extension { path }
+    } else if output.is_dir() {
+        refused("it is a folder".to_owned())
+    } else if !folder.is_dir() {
+        refused(format!("there is no folder {}", folder.display()))
+    } else {
         return Ok(());
-    }
-    let error = PictureError::Extension {
-        path: output.to_path_buf(),
     };
     Err(errors::of_picture(&error, output).into())
+}
+
+/// Refuses a picture that would take the place of a file that it is made of.
+fn check_overwrites<'p>(
+    output: &Path,
+    inputs: impl IntoIterator<Item = &'p Path>,
+) -> Result<(), Findings> {
+    let entry = |path: &Path| {
+        let folder = folder_of(path).canonicalize().ok()?;
+        Some(folder.join(path.file_name()?))
+    };
+    // Both what the names stand for and what links lead to: saving replaces the one, and readers follow the other.
+    let of = |path: &Path| [entry(path), path.canonicalize().ok()];
+    let taken: Vec<PathBuf> = of(output).into_iter().flatten().collect();
+    let is_output = |input: &Path| {
+        of(input)
+            .into_iter()
+            .flatten()
+            .any(|it| taken.contains(&it))
+    };
+    let Some(input) = inputs.into_iter().find(|input| is_output(input)) else {
+        return Ok(());
+    };
+    let message = format!(
+        "the picture would replace {}, which is read for it",
+        input.display()
+    );
+    Err(Finding::error(OVERWRITES, message)
+        .at(Place::whole_file(output))
+        .help("save the picture under another name")
+        .into())
+}
+
+/// What [`check_overwrites`] finds.
+const OVERWRITES: &str = "overwrites-input";
+
+/// The folder of a file; the current one for a bare name.
+fn folder_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder.to_path_buf(),
+        _ => PathBuf::from("."),
+    }
 }
 
 /// `--png-bits`, which clap has checked.

@@ -48,7 +48,7 @@ impl Dependencies {
                 Some(Seen::Digest(_) | Seen::Absent) => {
                     let _ = snapshot.read(path);
                 }
-                Some(seen @ Seen::Stamp(_)) => *seen = as_it_is(path),
+                Some(seen @ (Seen::Stamp(_) | Seen::Unsure)) => *seen = as_it_is(path),
                 None => {}
             }
         }
@@ -85,18 +85,21 @@ fn shaders(snapshot: &SnapshotFiles) -> impl Iterator<Item = (PathBuf, Seen)> {
     })
 }
 
-fn as_it_is(path: &Path) -> Seen {
+pub(crate) fn as_it_is(path: &Path) -> Seen {
     Stamp::of(path).map_or(Seen::Absent, Seen::Stamp)
 }
 
 /// File systems' clocks are this coarse.
 const CLOCK: Duration = Duration::from_millis(10);
 
-/// What was used of a file of data whose reading began at `began`. One that was written meanwhile counts as unseen, so
-/// that it is read again.
+/// What was used of a file of data whose reading began at `began`, and of which there is no stamp from before that: one
+/// that was written meanwhile is read again. A time in the future tells nothing of when that was.
 pub(crate) fn data_since(path: &Path, began: SystemTime) -> Seen {
+    let now = SystemTime::now();
+    let is_young = |at: SystemTime| at + CLOCK >= began && at <= now;
     match Stamp::of(path) {
-        Ok(stamp) if stamp.modified().is_none_or(|at| at + CLOCK < began) => Seen::Stamp(stamp),
-        _ => Seen::Absent,
+        Ok(stamp) if stamp.modified().is_some_and(is_young) => Seen::Unsure,
+        Ok(stamp) => Seen::Stamp(stamp),
+        Err(_) => Seen::Unsure,
     }
 }

@@ -14,7 +14,6 @@ use volgraph_graph::{EMBEDDED_GRAPHS as ROOT, Folders, GraphDesc, SourceDesc, is
 use volgraph_report::did_you_mean;
 use volgraph_shader::ParamValue;
 
-use crate::scene::folder_of;
 use crate::shaders::EMBEDDED_SHADERS;
 
 /// volgraph's ready graphs, their transfer functions and images as they were when it was built.
@@ -87,7 +86,9 @@ pub fn text(path: &Path) -> Option<&'static str> {
 /// Where the sources of a graph are looked for: its own folder, then those of data; embedded files as [`Folders`] says.
 #[must_use]
 pub fn folders(graph: &Path, data: &[PathBuf]) -> Folders {
-    Folders::new(folder_of(graph), data).embedded(&EMBEDDED_GRAPHS)
+    // Not `.` for a bare name: findings tell paths as users write them.
+    let folder = graph.parent().unwrap_or(Path::new(""));
+    Folders::new(folder, data).embedded(&EMBEDDED_GRAPHS)
 }
 
 /// A graph that volgraph carries.

@@ -6,6 +6,7 @@ mod args;
 mod commands;
 mod output;
 mod progress;
+mod signals;
 
 use std::process::ExitCode;
 
@@ -16,6 +17,7 @@ use crate::args::Args;
 fn main() -> ExitCode {
     quiet_wayland();
     let args = Args::parse();
+    signals::leave_nothing_unfinished();
     match commands::run(args.command) {
         Ok(code) => code,
         Err(error) => output::fail(&error),

@@ -1,15 +1,27 @@
 //! What the command line prints: results on standard output, findings and warnings on standard error.
 
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use volgraph::{Findings, embedded};
 use volgraph_report::excerpt;
 
+/// Whether nobody reads standard output any more.
+static IS_CLOSED: AtomicBool = AtomicBool::new(false);
+
 /// Prints a result. A closed pipe (as of `| head`) is no error worth a panic, here and below.
 pub fn print(text: &str) {
-    let _ = writeln!(std::io::stdout().lock(), "{}", text.trim_end());
+    let written = writeln!(std::io::stdout().lock(), "{}", text.trim_end());
+    if written.is_err_and(|error| error.kind() == ErrorKind::BrokenPipe) {
+        IS_CLOSED.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Whether the last result met a closed pipe: a command that would go on for ever ends then.
+pub fn is_closed() -> bool {
+    IS_CLOSED.load(Ordering::Relaxed)
 }
 
 fn tell(text: &str) {

@@ -13,10 +13,10 @@ use volgraph_graph::{
     GraphDesc, Limits, Plan, PlanRequest, Registry, Source, SourceDesc, is_embedded, read, sources,
 };
 use volgraph_report::{Finding, Findings, Place};
-use volgraph_shader::{ShaderFiles, ShaderRoots};
+use volgraph_shader::{ParamValue, ShaderFiles, ShaderRoots};
 use volgraph_watch::Seen;
 
-use crate::dependencies::{Dependencies, data_since};
+use crate::dependencies::{Dependencies, as_it_is, data_since};
 use crate::embedded;
 use crate::overrides::Overrides;
 use crate::shaders::ShaderFolders;
@@ -171,16 +171,27 @@ impl Scene {
         let report = |source: &str, done: u64, total: u64| progress.progress(source, done, total);
         let folders = embedded::folders(&self.path, &self.overrides.data);
         let began = SystemTime::now();
+        let before = std::mem::take(&mut self.data);
+        let named = self.desc.sources.values().filter_map(|source| {
+            let ParamValue::Text(path) = &source.params.get("path")?.value else {
+                return None;
+            };
+            Some(folders.find(path))
+        });
+        let stamps: BTreeMap<PathBuf, Seen> = named
+            .chain(before.keys().cloned())
+            .map(|file| (file.clone(), as_it_is(&file)))
+            .collect();
         let (sources, mut findings) =
             sources::reload(&self.desc, &self.registry, &folders, loaded, &report);
-        let before = std::mem::take(&mut self.data);
         for (name, source) in &sources {
             let desc = self.desc.sources.get(name);
             let is_shared = desc.is_some_and(|desc| loaded(name, desc).is_some());
             let on_disk = |file: &PathBuf| !is_embedded(file);
             for file in source.files().into_iter().filter(on_disk) {
-                let seen = match before.get(&file) {
-                    Some(seen) if is_shared => seen.clone(),
+                let seen = match (before.get(&file), stamps.get(&file)) {
+                    (Some(seen), _) if is_shared => seen.clone(),
+                    (_, Some(stamp @ Seen::Stamp(_))) => stamp.clone(),
                     _ => data_since(&file, began),
                 };
                 self.data.insert(file, seen);
@@ -294,12 +305,17 @@ pub(crate) fn read_text(path: &Path) -> Result<String, Findings> {
             .help(embedded::missing_graph_help(path))
     };
     let metadata = fs::metadata(path).map_err(unreadable)?;
-    if metadata.is_dir() || metadata.len() > MAX_GRAPH_BYTES {
-        let what = if metadata.is_dir() {
-            "a folder"
-        } else {
-            "over 4 MiB long"
-        };
+    let refused = if metadata.is_dir() {
+        Some("a folder")
+    } else if !metadata.is_file() {
+        // Reading a pipe or a device might never end.
+        Some("a pipe or a device")
+    } else if metadata.len() > MAX_GRAPH_BYTES {
+        Some("over 4 MiB long")
+    } else {
+        None
+    };
+    if let Some(what) = refused {
         return Err(Finding::error(
             "not-a-graph",
             format!("a graph is a RON file, and this is {what}"),

@@ -37,13 +37,22 @@ impl Entry {
     }
 }
 
+/// The folder of a bare name is empty, and is the current one.
+fn readable(folder: &Path) -> &Path {
+    if folder.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        folder
+    }
+}
+
 /// The entries of a folder; `None` where it cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Listing(Option<BTreeMap<OsString, Entry>>);
 
 impl Listing {
     pub(crate) fn of(folder: &Path) -> Self {
-        let Ok(entries) = fs::read_dir(folder) else {
+        let Ok(entries) = fs::read_dir(readable(folder)) else {
             return Self(None);
         };
         let names = entries.flatten().map(|entry| entry.file_name());

@@ -80,15 +80,9 @@ impl Record {
                         Verdict::Same
                     }
                 }
-                Some(look) => {
-                    let seen = Seen::Stamp(look.stamp.clone());
-                    if look.stamp.is_empty() {
-                        Verdict::Missing(seen)
-                    } else {
-                        Verdict::Changed(seen)
-                    }
-                }
+                Some(look) => of_look(look),
             },
+            Seen::Unsure => look.map_or(Verdict::Missing(Seen::Absent), of_look),
             Seen::Digest(digest) => {
                 let Some(look) = look.filter(|look| look.is_file) else {
                     return Verdict::Missing(Seen::Absent);
@@ -112,6 +106,16 @@ impl Record {
                 }
             }
         }
+    }
+}
+
+/// What a look tells without reading.
+fn of_look(look: &Look) -> Verdict {
+    let seen = Seen::Stamp(look.stamp.clone());
+    if look.stamp.is_empty() {
+        Verdict::Missing(seen)
+    } else {
+        Verdict::Changed(seen)
     }
 }
 

@@ -21,6 +21,8 @@ pub enum Seen {
     Digest([u8; 32]),
     /// For files too large to read again: the stamp, taken before they were read.
     Stamp(Stamp),
+    /// It was read while it may have been written, and nothing tells what was read: whatever is there now is told.
+    Unsure,
 }
 
 impl Seen {

@@ -220,7 +220,11 @@ impl Subject {
     }
 }
 
-/// The path from the file system's root on; as given where there is no current folder to start from.
+/// The path from the file system's root on; as given where there is no current folder to start from. The empty path,
+/// a bare name's folder, is the current folder.
 pub(crate) fn absolute(path: &Path) -> PathBuf {
+    if path.as_os_str().is_empty() {
+        return std::env::current_dir().unwrap_or_default();
+    }
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }

@@ -157,7 +157,7 @@ impl FileWatch {
     }
 
     /// What to watch from now on, in place of what was watched before: files with what was used of each, and
-    /// folders of which every direct entry counts.
+    /// folders of which every direct entry counts. The empty path is the current folder, as the parent of a bare name.
     ///
     /// Files are compared once without an event, so that no change between reading a file and this call is
     /// lost. Give what the last reading found, [`Seen::Absent`] for what could not be read; otherwise the same

@@ -173,6 +173,11 @@ pub fn read(path: &Path) -> Result<String, Finding> {
         return Ok(text.to_owned());
     }
     let metadata = fs::metadata(path).map_err(|error| unreadable(path, &error))?;
+    if !metadata.is_file() {
+        // Reading a pipe or a device might never end.
+        let error = std::io::Error::other("it is no plain file");
+        return Err(unreadable(path, &error));
+    }
     if metadata.len() > MAX_RON_BYTES {
         return Err(
             Finding::error("too-large", "a RON file of more than 4 MiB is refused")

@@ -1,5 +1,6 @@
 //! `volgraph render`: a graph into a picture.
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
@@ -9,14 +10,16 @@ use volgraph::{Findings, Session};
 use volgraph_gpu::Gpu;
 use volgraph_picture::SaveOptions;
 
-use super::{check_extension, errors, load, png_bits, session_options};
+use super::{check_output, check_overwrites, errors, load, png_bits, session_options};
 use crate::args::RenderArgs;
 use crate::output;
 
 pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
-    check_extension(&args.output)?;
+    check_output(&args.output)?;
     let start = Instant::now();
     let scene = load(&args.scene)?;
+    let inputs = scene.data.keys().chain([&scene.path]);
+    check_overwrites(&args.output, inputs.map(PathBuf::as_path))?;
     let options = session_options(&args.scene, Some(&args.output));
     let gpu = Arc::new(Gpu::open(&options.adapter)?);
     let mut session = Session::start(scene, gpu, &options)?;

@@ -8,13 +8,15 @@
 mod exec;
 mod tell;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use volgraph::{
-    Change, Dependencies, Drawn, Findings, Outcome, Picture, Refused, Session, registry,
+    Change, ChangedFile, Dependencies, Drawn, Finding, Findings, Outcome, Picture, Place, Refused,
+    Session, embedded, registry,
 };
+use volgraph_graph::is_embedded;
 use volgraph_picture::SaveOptions;
 use volgraph_watch::{FileWatch, WatchOptions};
 
@@ -32,15 +34,9 @@ const PATIENCE: Duration = Duration::from_millis(60);
 const TICK: Duration = Duration::from_millis(50);
 
 pub fn run(args: &WatchArgs) -> anyhow::Result<ExitCode> {
-    super::check_extension(&args.output)?;
-    let compared = match &args.against {
-        Some(file) => {
-            let picture = Picture::load(file)
-                .map_err(|error| Findings::from(errors::of_picture(&error, file)))?;
-            Some(picture)
-        }
-        None => None,
-    };
+    super::check_output(&args.output)?;
+    let compared = args.against.as_deref().map(|file| against(args, file));
+    let compared = compared.transpose()?;
     let mut watch = FileWatch::new(WatchOptions {
         poll: args.poll.map(Duration::from_millis),
         ..WatchOptions::default()
@@ -48,7 +44,10 @@ pub fn run(args: &WatchArgs) -> anyhow::Result<ExitCode> {
     let mut watcher = Watcher {
         args,
         teller: Teller::new(args, compared),
-        exec: args.exec.clone().map(Exec::new),
+        exec: args
+            .exec
+            .clone()
+            .map(|command| Exec::new(command, args.json)),
         session: None,
         unopened: None,
         count: 0,
@@ -57,9 +56,31 @@ pub fn run(args: &WatchArgs) -> anyhow::Result<ExitCode> {
     loop {
         arm(&mut watch, &dependencies);
         watcher.teller.watching(&dependencies, &watch);
+        if output::is_closed() {
+            return Ok(ExitCode::SUCCESS);
+        }
         let changes = watcher.wait(&mut watch)?;
         dependencies = watcher.follow(&mut watch, changes)?;
     }
+}
+
+/// The picture that pictures are compared with.
+fn against(args: &WatchArgs, file: &Path) -> Result<Picture, Findings> {
+    super::check_overwrites(&args.output, [file])?;
+    let picture = Picture::load(file).map_err(|error| errors::of_picture(&error, file))?;
+    let size = args.scene.size;
+    if [picture.width, picture.height] == size {
+        return Ok(picture);
+    }
+    let (width, height) = (picture.width, picture.height);
+    let message = format!(
+        "it has {width}x{height} pixels, and the pictures to compare with it {}x{}",
+        size[0], size[1]
+    );
+    Err(Finding::error("picture-sizes", message)
+        .at(Place::whole_file(file))
+        .help(format!("add `--size {width}x{height}`"))
+        .into())
 }
 
 struct Changes {
@@ -85,8 +106,12 @@ impl Watcher<'_> {
         match opened {
             Ok(()) => {}
             // There is nothing to wait for where the graph itself is not there.
-            Err(findings) if !self.args.scene.graph.exists() => return Err(findings.into()),
-            Err(findings) => self.teller.refused(&findings, &[], None, true),
+            Err(findings) if !is_there(&self.args.scene.graph) => return Err(findings.into()),
+            Err(findings) if has_code(&findings, super::OVERWRITES) => return Err(findings.into()),
+            Err(findings) => {
+                self.teller.refused(&findings, &[], None, true);
+                self.unopened = Some(findings);
+            }
         }
         Ok(dependencies)
     }
@@ -108,9 +133,10 @@ impl Watcher<'_> {
             Err(unopened) => return (Err(unopened.findings), unopened.dependencies),
         };
         let dependencies = session.dependencies().clone();
-        for (source, warning) in session.scene().warnings() {
-            output::warn(&format!("source {source}: {warning}"));
+        if let Err(findings) = check_overwrites(self.args, &dependencies) {
+            return (Err(findings), dependencies);
         }
+        super::tell_warnings(scene, session.scene());
         let drawn = session.render_checked();
         self.teller.begins(&session);
         self.session = Some(session);
@@ -142,10 +168,14 @@ impl Watcher<'_> {
                     }
                 }
                 None => {
-                    let paths: Vec<PathBuf> = changes.paths.into_iter().collect();
-                    let remade = refused.device_remade.as_deref();
-                    self.teller
-                        .refused(&refused.findings, &paths, remade, is_new);
+                    // A watched folder tells of files as well that are none of the picture's.
+                    let is_known = |path: &PathBuf| dependencies.files.contains_key(path);
+                    if is_new || changes.paths.iter().any(is_known) {
+                        let paths: Vec<PathBuf> = changes.paths.into_iter().collect();
+                        let remade = refused.device_remade.as_deref();
+                        self.teller
+                            .refused(&refused.findings, &paths, remade, is_new);
+                    }
                     return Ok(dependencies);
                 }
             }
@@ -175,7 +205,22 @@ impl Watcher<'_> {
                 (None, dependencies)
             }
             Ok(Outcome::Drawn(drawn)) => {
-                let Drawn { picture, report } = *drawn;
+                if let Err(findings) = check_overwrites(self.args, &dependencies) {
+                    let refused = Refused {
+                        findings,
+                        is_repeat: false,
+                        device_remade: drawn.report.device_remade,
+                    };
+                    return (Some(refused), dependencies);
+                }
+                let Drawn {
+                    picture,
+                    mut report,
+                } = *drawn;
+                let is_known = |file: &ChangedFile| dependencies.files.contains_key(&file.path);
+                if report.changed.iter().any(is_known) {
+                    report.changed.retain(is_known);
+                }
                 let settle = settled - changes.since;
                 self.save(picture, changes.since, |teller, saved| {
                     teller.drawn(&report, settle, saved);
@@ -214,8 +259,11 @@ impl Watcher<'_> {
                 }
             }
             Err(error) => {
-                let findings = Findings::from(errors::of_picture(&error, output));
-                self.teller.refused(&findings, &[], None, true);
+                let finding = errors::of_picture(&error, output);
+                let help =
+                    "the picture is not saved; once this is mended, the next change saves again";
+                self.teller
+                    .refused(&finding.help(help).into(), &[], None, true);
             }
         }
     }
@@ -233,6 +281,20 @@ impl Watcher<'_> {
             }
         }
     }
+}
+
+fn is_there(graph: &Path) -> bool {
+    let graph = embedded::locate(graph);
+    is_embedded(&graph) || graph.exists()
+}
+
+fn has_code(findings: &Findings, code: &str) -> bool {
+    findings.into_iter().any(|finding| finding.code == code)
+}
+
+fn check_overwrites(args: &WatchArgs, dependencies: &Dependencies) -> Result<(), Findings> {
+    let files = dependencies.files.keys().map(PathBuf::as_path);
+    super::check_overwrites(&args.output, files)
 }
 
 /// Hands what the picture depends on to the watcher.

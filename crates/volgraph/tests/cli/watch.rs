@@ -1,6 +1,8 @@
 //! `volgraph watch` as a process of its own, driven through the files alone: whatever way a file is saved, the picture
 //! becomes what a fresh `volgraph render` makes of the same files, bit for bit (EXR: f32 colour, opacity, depth).
 
+mod hazards;
+
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -150,16 +152,13 @@ struct Watch {
 
 impl Watch {
     fn start(folder: &Path, more: &[&str]) -> Self {
+        Self::start_text(folder, "graph.ron", &[&["--json"], more].concat())
+    }
+
+    /// Without JSON: what is told on standard output, line for line.
+    fn start_text(folder: &Path, graph: &str, more: &[&str]) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_volgraph"))
-            .args([
-                "watch",
-                "graph.ron",
-                "-o",
-                "out.exr",
-                "--json",
-                "--size",
-                "40x30",
-            ])
+            .args(["watch", graph, "-o", "out.exr", "--size", "40x30"])
             .args(more)
             .current_dir(folder)
             .env_remove("VOLGRAPH_SHADERS")
@@ -189,11 +188,15 @@ impl Watch {
 
     /// The next event of this name.
     fn next(&self, event: &str) -> Value {
+        self.next_of(event, "")
+    }
+
+    fn next_of(&self, event: &str, what: &str) -> Value {
         loop {
             let line = self
                 .lines
                 .recv_timeout(PATIENCE)
-                .unwrap_or_else(|_| panic!("no `{event}` comes"));
+                .unwrap_or_else(|_| panic!("no `{event}` comes: {what}"));
             if line["event"] == event {
                 return line;
             }
@@ -226,7 +229,7 @@ impl Watch {
     fn draws_what_is_there(&self, what: &str, more: &[&str]) -> Value {
         let fresh = fresh(&self.folder, more);
         loop {
-            let event = self.next("picture");
+            let event = self.next_of("picture", what);
             let picture = Picture::load(&self.folder.join("out.exr")).unwrap();
             if picture.color == fresh.color
                 && picture.depth == fresh.depth
@@ -235,7 +238,6 @@ impl Watch {
                 return event;
             }
             // A picture of half a save is followed by that of the whole.
-            println!("{what}: waiting for the next picture");
         }
     }
 }

@@ -121,6 +121,28 @@ fn stamped(path: &Path) -> BTreeMap<PathBuf, Seen> {
 }
 
 #[test]
+fn what_nobody_is_sure_of_is_told_whatever_it_is_now() {
+    everywhere(|case| {
+        age(&case.path);
+        let unsure = BTreeMap::from([(case.path.clone(), Seen::Unsure)]);
+        case.watch.watch(unsure, BTreeSet::new());
+        case.changed();
+        case.is_quiet();
+    });
+    let short = |by: By| WatchOptions {
+        grace: Duration::from_millis(50),
+        ..by.options()
+    };
+    everywhere_with(short, |case| {
+        fs::remove_file(&case.target).unwrap();
+        let unsure = BTreeMap::from([(case.path.clone(), Seen::Unsure)]);
+        case.watch.watch(unsure, BTreeSet::new());
+        assert_eq!(case.changed(), None);
+        case.is_quiet();
+    });
+}
+
+#[test]
 fn a_file_with_a_stamp_is_told_when_its_stamp_differs() {
     everywhere(|case| {
         age(&case.path);

@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use volgraph_watch::WatchOptions;
+use volgraph_watch::{FileWatch, WatchOptions};
 
 use crate::case::{By, Case, LONG, everywhere, everywhere_with};
 
@@ -104,4 +104,22 @@ fn a_folder_that_did_not_exist_appears() {
         fs::write(folder.join("file"), "1").unwrap();
         told(case, &folder.join("file"));
     });
+}
+
+#[test]
+fn the_empty_path_is_the_current_folder() {
+    let mut watch = FileWatch::new(WatchOptions::default());
+    watch.watch(BTreeMap::new(), BTreeSet::from([PathBuf::new()]));
+    let file = tempfile::NamedTempFile::new_in(".").unwrap();
+    let name = PathBuf::from(file.path().file_name().unwrap());
+    let start = Instant::now();
+    // Other tests may use this folder as well.
+    while !watch
+        .wait(Some(LONG))
+        .unwrap()
+        .unwrap_or_default()
+        .contains(&name)
+    {
+        assert!(start.elapsed() < LONG, "the new file was not told");
+    }
 }

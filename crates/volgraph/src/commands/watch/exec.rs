@@ -8,15 +8,18 @@ use crate::output;
 /// One command at a time: while it runs, newer pictures wait, and the last of them is told to it next.
 pub struct Exec {
     command: String,
+    /// What it prints goes to standard error: standard output has JSON.
+    is_aside: bool,
     child: Option<Child>,
     waiting: Option<(std::path::PathBuf, u64)>,
 }
 
 impl Exec {
-    /// A shell's command line.
-    pub fn new(command: String) -> Self {
+    /// A shell's command line. `is_aside` keeps what it prints off standard output.
+    pub fn new(command: String, is_aside: bool) -> Self {
         Self {
             command,
+            is_aside,
             child: None,
             waiting: None,
         }
@@ -35,7 +38,7 @@ impl Exec {
                 Ok(None) => return true,
                 Ok(Some(status)) if status.success() => {}
                 Ok(Some(status)) => {
-                    output::warn(&format!("`{}` ended with {status}", self.command))
+                    output::warn(&format!("`{}` ended with {status}", self.command));
                 }
                 Err(error) => output::warn(&format!("`{}`: {error}", self.command)),
             }
@@ -44,10 +47,16 @@ impl Exec {
         let Some((picture, number)) = self.waiting.take() else {
             return false;
         };
+        let stdout = if self.is_aside {
+            Stdio::from(std::io::stderr())
+        } else {
+            Stdio::inherit()
+        };
         let started = shell(&self.command)
             .env("VOLGRAPH_PICTURE", picture)
             .env("VOLGRAPH_NUMBER", number.to_string())
             .stdin(Stdio::null())
+            .stdout(stdout)
             .spawn();
         match started {
             Ok(child) => self.child = Some(child),

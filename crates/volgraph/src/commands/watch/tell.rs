@@ -19,11 +19,14 @@ pub struct Teller<'a> {
     args: &'a WatchArgs,
     /// What pictures are compared with: that of `--against`, else the last one.
     compared: Option<Picture>,
+    /// Whether the last thing told is that something is wrong.
+    is_refused: bool,
     /// What was told of the watching last.
     backend: Option<String>,
 }
 
 /// A picture that lies on disk.
+#[derive(Clone, Copy)]
 pub struct Saved<'a> {
     /// The picture.
     pub picture: &'a Picture,
@@ -41,6 +44,7 @@ impl<'a> Teller<'a> {
         Self {
             args,
             compared,
+            is_refused: false,
             backend: None,
         }
     }
@@ -48,7 +52,7 @@ impl<'a> Teller<'a> {
     /// A session is open.
     pub fn begins(&self, session: &Session) {
         if self.args.json {
-            line(json!({ "event": "open", "adapter": session.adapter() }));
+            line(&json!({ "event": "open", "adapter": session.adapter() }));
         } else {
             output::print(&format!("on {}", session.adapter()));
         }
@@ -60,9 +64,14 @@ impl<'a> Teller<'a> {
         let is_there = |seen: &&Seen| **seen != Seen::Absent;
         let files = dependencies.files.values().filter(is_there).count();
         if self.args.json {
-            line(json!({ "event": "watching", "files": files, "by": backend }));
+            line(&json!({ "event": "watching", "files": files, "by": backend }));
         } else if self.backend.as_ref() != Some(&backend) {
-            output::print(&format!("watching {files} files ({backend}); Ctrl-C ends"));
+            let what = match files {
+                0 => "no file, as nothing of this picture lies on the disk".to_owned(),
+                1 => "1 file".to_owned(),
+                _ => format!("{files} files"),
+            };
+            output::print(&format!("watching {what} ({backend}); Ctrl-C ends"));
         }
         self.backend = Some(backend);
     }
@@ -71,7 +80,7 @@ impl<'a> Teller<'a> {
     pub fn first(&mut self, frame: &FrameReport, saved: Saved<'_>) {
         let difference = self.difference(saved.picture);
         if self.args.json {
-            line(json!({
+            line(&json!({
                 "event": "picture",
                 "number": saved.number,
                 "output": self.args.output.display().to_string(),
@@ -93,7 +102,7 @@ impl<'a> Teller<'a> {
         let difference = self.difference(saved.picture);
         let own = report.stages.own_ms() + ms(settle) + ms(saved.save);
         if self.args.json {
-            line(json!({
+            line(&json!({
                 "event": "picture",
                 "number": saved.number,
                 "output": self.args.output.display().to_string(),
@@ -150,7 +159,7 @@ impl<'a> Teller<'a> {
             .map(|(name, ms)| format!("{name} {ms:.1}"))
             .collect();
         output::print(&format!(
-            "   {:.0} ms from save to picture, {own:.1} of them volgraph's own: {}",
+            "   {:.0} ms from save to picture: {}; {own:.1} without pipeline and draw",
             ms(saved.total),
             stages.join(", ")
         ));
@@ -158,22 +167,27 @@ impl<'a> Teller<'a> {
     }
 
     /// A change that makes no difference.
-    pub fn unchanged(&self, paths: &BTreeSet<PathBuf>) {
+    pub fn unchanged(&mut self, paths: &BTreeSet<PathBuf>) {
         if self.args.json {
-            line(json!({ "event": "unchanged", "changed": shown(paths) }));
+            line(&json!({ "event": "unchanged", "changed": shown(paths) }));
+        } else if self.is_refused {
+            let output = self.args.output.display();
+            output::print(&format!("   mended: {output} is right as it is"));
         }
+        self.is_refused = false;
     }
 
     /// A change that was refused; whether for reasons that were not told before.
     pub fn refused(
-        &self,
+        &mut self,
         findings: &Findings,
         changed: &[PathBuf],
         device_remade: Option<&str>,
         is_new: bool,
     ) {
+        self.is_refused = true;
         if self.args.json {
-            line(json!({
+            line(&json!({
                 "event": "refused",
                 "changed": shown(changed),
                 "findings": findings_json(findings),
@@ -195,6 +209,7 @@ impl<'a> Teller<'a> {
 
     /// The picture that the next one is compared with.
     pub fn keep(&mut self, picture: Picture) {
+        self.is_refused = false;
         if self.args.against.is_none() {
             self.compared = Some(picture);
         }
@@ -224,14 +239,15 @@ impl<'a> Teller<'a> {
             return;
         }
         let max = &difference.max;
+        let channel = format!("{:?}", max.channel).to_lowercase();
         output::print(&format!(
-            "   differs from {from} by RMSE {:.3e}, at most {:.3e} ({:?}) at {}, {}",
-            difference.rmse, max.error, max.channel, max.x, max.y
+            "   differs from {from} by RMSE {:.3e}, at most {:.3e} in {} at {}, {}",
+            difference.rmse, max.error, channel, max.x, max.y
         ));
     }
 }
 
-fn line(value: Value) {
+fn line(value: &Value) {
     output::print(&value.to_string());
 }
 
