@@ -165,6 +165,8 @@ fn what_cannot_work_ends_at_once() {
 fn a_volume_is_read_once_for_each_save() {
     let scratch = scene();
     let watch = Watch::begin(scratch.path(), &[]);
+    // A file that was written right before it was read may be read again, once.
+    watch.is_quiet();
     for edits in 1..4 {
         let path = scratch.path().join(VOLUME);
         save(&path, Save::InPlace, &content(VOLUME, edits));
