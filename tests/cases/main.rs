@@ -5,6 +5,7 @@
 mod accuracy;
 mod agreement;
 mod closed_forms;
+mod exhaustion;
 mod hazards;
 mod live;
 mod memory_of_work;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use naga::valid::Capabilities;
-use volgraph_graph::Limits;
+use volgraph_graph::{Limits, ResourceKind};
 use wgpu::{Device, DeviceDescriptor, Features, Instance, Queue};
 
 use crate::adapter::{AdapterChoice, AdapterSummary, choose};
@@ -204,6 +204,16 @@ impl Gpu {
             }),
             None => Ok(value),
         }
+    }
+
+    /// Makes a resource.
+    pub(crate) fn allocate<T>(
+        &self,
+        resource: ResourceKind,
+        held_bytes: u64,
+        make: impl FnOnce() -> T,
+    ) -> Result<T, GpuError> {
+        self.scoped(&format!("allocating {resource:?}"), held_bytes, make)
     }
 
     /// Waits until everything submitted is done.

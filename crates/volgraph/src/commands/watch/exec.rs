@@ -8,15 +8,18 @@ use crate::output;
 /// One command at a time: while it runs, newer pictures wait, and the last of them is told to it next.
 pub struct Exec {
     command: String,
+    /// Whether standard output is for others, and what the command prints goes to standard error.
+    is_quiet: bool,
     child: Option<Child>,
     waiting: Option<(std::path::PathBuf, u64)>,
 }
 
 impl Exec {
-    /// A shell's command line.
-    pub fn new(command: String) -> Self {
+    /// A shell's command line, and whether it must keep off standard output.
+    pub fn new(command: String, is_quiet: bool) -> Self {
         Self {
             command,
+            is_quiet,
             child: None,
             waiting: None,
         }
@@ -44,12 +47,15 @@ impl Exec {
         let Some((picture, number)) = self.waiting.take() else {
             return false;
         };
-        let started = shell(&self.command)
+        let mut command = shell(&self.command);
+        command
             .env("VOLGRAPH_PICTURE", picture)
             .env("VOLGRAPH_NUMBER", number.to_string())
-            .stdin(Stdio::null())
-            .spawn();
-        match started {
+            .stdin(Stdio::null());
+        if self.is_quiet {
+            command.stdout(std::io::stderr());
+        }
+        match command.spawn() {
             Ok(child) => self.child = Some(child),
             Err(error) => output::warn(&format!("`{}` cannot be run: {error}", self.command)),
         }

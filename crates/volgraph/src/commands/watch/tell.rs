@@ -157,10 +157,40 @@ impl<'a> Teller<'a> {
         self.print_difference(difference.as_ref());
     }
 
-    /// A change that makes no difference.
-    pub fn unchanged(&self, paths: &BTreeSet<PathBuf>) {
+    /// A picture that could be saved only now.
+    pub fn saved_later(&mut self, saved: Saved<'_>) {
+        let difference = self.difference(saved.picture);
         if self.args.json {
-            line(json!({ "event": "unchanged", "changed": shown(paths) }));
+            line(json!({
+                "event": "picture",
+                "number": saved.number,
+                "output": self.args.output.display().to_string(),
+                "save_ms": ms(saved.save),
+                "total_ms": ms(saved.total),
+                "difference": difference,
+            }));
+            return;
+        }
+        let output = self.args.output.display();
+        output::print(&format!("#{} {output}, saved at last", saved.number));
+        self.print_difference(difference.as_ref());
+    }
+
+    /// A change that makes no difference; whether it takes back what was refused.
+    pub fn unchanged(&self, paths: &BTreeSet<PathBuf>, is_mended: bool, remade: Option<&str>) {
+        if self.args.json {
+            line(json!({
+                "event": "unchanged",
+                "changed": shown(paths),
+                "is_mended": is_mended,
+                "device_remade": remade,
+            }));
+            return;
+        }
+        self.remade(remade);
+        if is_mended {
+            let output = self.args.output.display();
+            output::print(&format!("   mended; {output} is as the files say"));
         }
     }
 
