@@ -5,6 +5,7 @@
 mod accuracy;
 mod agreement;
 mod closed_forms;
+mod exhaustion;
 mod hazards;
 mod memory_of_work;
 mod plans;

@@ -6,12 +6,16 @@
 
 #![expect(clippy::unwrap_used, reason = "a harness fails by panicking")]
 
+pub mod kinds;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use glam::DVec3;
-use volgraph::{Findings, Overrides, ParamOverride, Picture, Scene, Session, SessionOptions, View};
+use volgraph::{
+    Findings, Overrides, ParamOverride, Picture, Registry, Scene, Session, SessionOptions, View,
+};
 use volgraph_gpu::{AdapterChoice, Gpu, list_adapters};
 
 /// The repository's root.
@@ -134,6 +138,27 @@ impl Stage {
     ) -> Result<Session, Findings> {
         Session::open(self.path().join(graph), &options(&[], backend, size))
     }
+
+    /// The same with these options, kinds and device.
+    ///
+    /// # Errors
+    /// What is wrong with the scene.
+    pub fn open_with(
+        &self,
+        graph: &str,
+        options: &SessionOptions,
+        registry: Registry,
+        gpu: Arc<Gpu>,
+    ) -> Result<Session, Findings> {
+        let scene = Scene::load(
+            &self.path().join(graph),
+            &options.overrides,
+            &options.shader_folders,
+            registry,
+            &volgraph::NoProgress,
+        )?;
+        Session::start(scene, gpu, options)
+    }
 }
 
 /// Opens a session for a graph file.
@@ -157,7 +182,12 @@ pub fn open(
     Session::start(scene, gpu(backend), &options)
 }
 
-fn options(sets: &[&str], backend: &str, size: [u32; 2]) -> SessionOptions {
+/// Options of a session with `--set`s on a backend; pictures carry depth and opacity.
+///
+/// # Panics
+/// Where a set cannot be read.
+#[must_use]
+pub fn options(sets: &[&str], backend: &str, size: [u32; 2]) -> SessionOptions {
     let overrides = Overrides {
         params: sets
             .iter()
@@ -173,6 +203,17 @@ fn options(sets: &[&str], backend: &str, size: [u32; 2]) -> SessionOptions {
         with_layers: true,
         ..SessionOptions::default()
     }
+}
+
+/// A device of its own, which may be lost.
+///
+/// # Panics
+/// Where it cannot be opened.
+#[must_use]
+pub fn gpu_alone(backend: &str) -> Arc<Gpu> {
+    Arc::new(
+        Gpu::open(&AdapterChoice::new(Some(backend))).unwrap_or_else(|error| panic!("{error}")),
+    )
 }
 
 /// The device of a backend, opened once.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use naga::valid::Capabilities;
-use volgraph_graph::Limits;
+use volgraph_graph::{Limits, ResourceKind};
 use wgpu::{Device, DeviceDescriptor, Features, Instance, Queue};
 
 use crate::adapter::{AdapterChoice, AdapterSummary, choose};
@@ -206,6 +206,25 @@ impl Gpu {
         }
     }
 
+    /// Makes a resource. A software device has the machine's own memory, and its drivers promise what is not there:
+    /// one that is larger than all that is free is refused before it is asked for.
+    pub(crate) fn allocate<T>(
+        &self,
+        resource: ResourceKind,
+        held_bytes: u64,
+        make: impl FnOnce() -> T,
+    ) -> Result<T, GpuError> {
+        let what = format!("allocating {resource:?}");
+        let is_software = self.summary.class == "software";
+        if is_software && available_bytes().is_some_and(|free| resource.bytes() > free) {
+            return Err(GpuError::OutOfMemory {
+                what,
+                bytes: held_bytes,
+            });
+        }
+        self.scoped(&what, held_bytes, make)
+    }
+
     /// Waits until everything submitted is done.
     ///
     /// # Errors
@@ -221,4 +240,14 @@ impl Gpu {
             }),
         }
     }
+}
+
+/// Bytes of memory that programs can still have, where the system tells.
+fn available_bytes() -> Option<u64> {
+    let meminfo = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = meminfo
+        .lines()
+        .find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let kib: u64 = line.split_whitespace().next()?.parse().ok()?;
+    Some(kib * 1024)
 }

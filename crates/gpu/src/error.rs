@@ -22,7 +22,7 @@ pub enum GpuError {
         reason: String,
     },
     /// The device is gone.
-    #[error("the device is lost: {0}; open the graph again")]
+    #[error("the device is lost: {0}")]
     Lost(String),
     /// The device refused something.
     #[error("{what}: the device says: {reason}")]
@@ -59,6 +59,10 @@ pub enum GpuError {
 const NO_ADAPTER_HELP: &str = "; on a machine without a GPU a software driver will do: on Debian or Ubuntu \
      `apt-get install mesa-vulkan-drivers` (Vulkan) or `apt-get install libegl1 libgl1-mesa-dri` (OpenGL)";
 
+/// What people do whose device goes.
+const LOST_HELP: &str = "the next frame opens it again; where it is lost each time, look for a shader that keeps it busy \
+     for seconds";
+
 impl From<Finding> for GpuError {
     fn from(finding: Finding) -> Self {
         Self::Findings(finding.into())
@@ -78,7 +82,11 @@ impl From<GpuError> for Findings {
                     GpuError::Output { .. } => "output",
                     GpuError::Device { .. } | GpuError::Findings(_) => "device",
                 };
-                Finding::error(code, other.to_string()).into()
+                let finding = Finding::error(code, other.to_string());
+                match other {
+                    GpuError::Lost(_) => finding.help(LOST_HELP).into(),
+                    _ => finding.into(),
+                }
             }
         }
     }

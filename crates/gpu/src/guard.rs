@@ -1,7 +1,9 @@
 //! The counters of guarded shaders: bound to their pipelines, cleared before a frame's first use, read after it.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use volgraph_graph::NodeId;
 use volgraph_report::Findings;
 use volgraph_shader::Guarded;
 use wgpu::{
@@ -56,22 +58,29 @@ impl Guard {
     }
 }
 
-/// The guards that some commands use.
+/// The guards that some commands use, each with the nodes that share it.
 #[derive(Debug, Default)]
-pub(crate) struct Watched(Vec<Arc<Guard>>);
+pub(crate) struct Watched(Vec<(Arc<Guard>, BTreeSet<NodeId>)>);
+
+/// What went wrong, and the nodes in whose shader it did.
+pub(crate) type Found = Vec<(BTreeSet<NodeId>, Findings)>;
 
 impl Watched {
-    /// Clears the counters of a guard before its first use.
-    pub(crate) fn note(&mut self, guard: &Arc<Guard>, encoder: &mut CommandEncoder) {
-        if !self.0.iter().any(|known| Arc::ptr_eq(known, guard)) {
+    /// Takes note of a node's guard, and clears its counters before its first use.
+    pub(crate) fn note(&mut self, guard: &Arc<Guard>, id: NodeId, encoder: &mut CommandEncoder) {
+        let known = self.0.iter_mut();
+        let mut known = known.filter(|(known, _)| Arc::ptr_eq(known, guard));
+        if let Some((_, nodes)) = known.next() {
+            nodes.insert(id);
+        } else {
             encoder.clear_buffer(&guard.counters, 0, None);
-            self.0.push(Arc::clone(guard));
+            self.0.push((Arc::clone(guard), [id].into()));
         }
     }
 
     /// Makes the counters readable; the last command. `None` where nothing is watched.
     pub(crate) fn resolve(&self, gpu: &Gpu, encoder: &mut CommandEncoder) -> Option<Buffer> {
-        let bytes: u64 = self.0.iter().map(|guard| guard.counters.size()).sum();
+        let bytes: u64 = self.0.iter().map(|(guard, _)| guard.counters.size()).sum();
         if bytes == 0 {
             return None;
         }
@@ -82,7 +91,7 @@ impl Watched {
             mapped_at_creation: false,
         });
         let mut at = 0;
-        for guard in &self.0 {
+        for (guard, _) in &self.0 {
             let size = guard.counters.size();
             encoder.copy_buffer_to_buffer(&guard.counters, 0, &readable, at, size);
             at += size;
@@ -91,20 +100,23 @@ impl Watched {
     }
 
     /// What the counters say; waits for the device.
-    pub(crate) fn findings(&self, gpu: &Gpu, readable: &Buffer) -> Result<Findings, GpuError> {
+    pub(crate) fn findings(&self, gpu: &Gpu, readable: &Buffer) -> Result<Found, GpuError> {
         let bytes = map(gpu, readable, readable.size())?;
         let counters: Vec<u32> = bytes
             .chunks_exact(4)
             .map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]))
             .collect();
         let mut rest = counters.as_slice();
-        let mut findings = Findings::new();
-        for guard in &self.0 {
+        let mut found = Found::new();
+        for (guard, nodes) in &self.0 {
             let count = guard.guarded.sites.len() + 1;
             let (own, others) = rest.split_at(count.min(rest.len()));
-            findings.extend(guard.guarded.findings(own));
+            let findings = guard.guarded.findings(own);
+            if !findings.is_empty() {
+                found.push((nodes.clone(), findings));
+            }
             rest = others;
         }
-        Ok(findings)
+        Ok(found)
     }
 }

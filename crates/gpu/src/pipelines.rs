@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use volgraph_graph::{Digest, Pass, Program};
 use volgraph_report::{Finding, Findings};
-use volgraph_shader::{Binding, GuardRequest, guard};
+use volgraph_shader::{Binding, GuardRequest, guard, with_room};
 use wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, ColorTargetState, ColorWrites, ComputePipeline,
     ComputePipelineDescriptor, Face, FragmentState, FrontFace, PipelineCompilationOptions,
@@ -103,21 +103,28 @@ impl Pipelines {
         );
         let uniforms_as_storage = gpu.uniforms_as_storage() && matches!(pass, Pass::Compute { .. });
         let module_key = (key.module, key.entries.clone(), uniforms_as_storage);
-        let built = match self.modules.get(&module_key) {
-            Some(built) => built.clone(),
-            None => {
-                let start = Instant::now();
-                let built = module(gpu, program, &key, uniforms_as_storage, &what)?;
-                self.modules.insert(module_key, built.clone());
-                self.building.module_time += start.elapsed();
-                built
-            }
-        };
-        let guard = built.guard.as_deref();
-        let groups = groups(gpu, program, &key, guard, uniforms_as_storage, &what)?;
-        let start = Instant::now();
-        let kind = gpu.scoped(&what, 0, || build(gpu, &built.module, &key, &groups))?;
-        self.building.pipeline_time += start.elapsed();
+        let known = self.modules.get(&module_key).cloned();
+        // naga, wgpu and the driver recurse over the shader. Error scopes belong to a thread, so they are all in there.
+        let made = with_room(|| {
+            let start = Instant::now();
+            let built = match &known {
+                Some(built) => built.clone(),
+                None => module(gpu, program, &key, uniforms_as_storage, &what)?,
+            };
+            let module_time = start.elapsed();
+            let guard = built.guard.as_deref();
+            let groups = groups(gpu, program, &key, guard, uniforms_as_storage, &what)?;
+            let start = Instant::now();
+            let kind = gpu.scoped(&what, 0, || build(gpu, &built.module, &key, &groups))?;
+            Ok((built, groups, kind, module_time, start.elapsed()))
+        });
+        let (built, groups, kind, module_time, pipeline_time) =
+            made.unwrap_or_else(|_| Err(failed(program, &what)))?;
+        if known.is_none() {
+            self.modules.insert(module_key, built.clone());
+            self.building.module_time += module_time;
+        }
+        self.building.pipeline_time += pipeline_time;
         let name = format!("{node} ({})", key.entries[key.entries.len() - 1]);
         self.building.pipelines.push(name);
         let pipeline = Arc::new(Pipeline {
@@ -128,6 +135,15 @@ impl Pipelines {
         self.built.insert(key, Arc::clone(&pipeline));
         Ok(Some(pipeline))
     }
+}
+
+/// What is told where building panics instead of giving an error.
+fn failed(program: &Program, what: &str) -> GpuError {
+    let linked = &program.module.linked;
+    Finding::error("wgsl-internal", format!("{what}: the compiler failed"))
+        .at(linked.root_place())
+        .help("take away parts of the shader until it compiles, and report what made it fail")
+        .into()
 }
 
 /// Hands a program to the device, guarded: every invocation ends, and what goes wrong is counted where it does.
@@ -143,6 +159,13 @@ fn module(
         entries: &key.entries,
     };
     let mut guarded = guard(&program.module, request, gpu.capabilities());
+    // Without its guard a loop that does not end would take the device with it.
+    if let Some(reason) = &guarded.unguarded {
+        let message = format!("{what}: its loops and loads cannot be watched: {reason}");
+        return Err(Finding::error("unguarded", message)
+            .at(program.module.linked.root_place())
+            .into());
+    }
     let naga = std::mem::take(&mut guarded.module);
     let naga = if uniforms_as_storage {
         with_uniforms_as_storage(naga)

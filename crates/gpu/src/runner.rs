@@ -1,13 +1,13 @@
 //! Runs plans: what must run, in its order, and nothing else.
 //!
-//! A [`Runner`] belongs to a device: pipelines, samplers, which variant is fastest. What belongs to a plan is an
-//! [`Installation`]: [`Runner::prepare`] proves the plan and gives it memory of its own, sharing with the installation
-//! before only what already holds the right content. [`Runner::frame`] draws into an installation. The caller keeps
-//! the old one until a frame of the new one has succeeded, drops the other, and calls [`Runner::keep`].
+//! A [`Runner`] belongs to a device: pipelines, samplers. What belongs to a plan is an [`Installation`]: memory, which
+//! variants are fastest, what its shaders did wrong. [`Runner::prepare`] proves the plan and gives it memory of its
+//! own, sharing with the installation before only what already holds the right content and will not be written.
+//! [`Runner::frame`] draws into an installation. The caller keeps the old one until a frame of the new one has
+//! succeeded, drops the other, and calls [`Runner::keep`].
 
 mod bind;
 mod frame;
-
 mod installation;
 mod report;
 mod schedule;
@@ -17,15 +17,17 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-use volgraph_graph::{NodeId, Plan, View};
+use volgraph_graph::{Digest, NodeId, Plan, View};
 use wgpu::{AddressMode, FilterMode, Sampler, SamplerDescriptor};
 
 use crate::device::Gpu;
 use crate::error::GpuError;
 use crate::pipelines::Pipelines;
-use crate::pool::{make, shared};
+use crate::pool::{Held, Wish, make, shared};
 
 pub use installation::Installation;
+use schedule::must_run;
+
 pub use report::{FrameReport, NodeReport};
 
 /// Samplers, made once.
@@ -48,8 +50,6 @@ pub struct Runner {
     gpu: Arc<Gpu>,
     pipelines: Pipelines,
     samplers: Samplers,
-    /// By [`variant_key`]: an edit of a shader's text keeps the choice.
-    chosen: BTreeMap<String, Chosen>,
     made: u64,
     reused: u64,
 }
@@ -88,7 +88,6 @@ impl Runner {
             gpu,
             pipelines: Pipelines::default(),
             samplers,
-            chosen: BTreeMap::new(),
             made: 0,
             reused: 0,
         }
@@ -105,8 +104,15 @@ impl Runner {
         std::mem::take(&mut self.pipelines.building)
     }
 
-    /// Proves a plan for a view: records every pass, builds every pipeline and every allocation inside error scopes.
-    /// What `before` holds of use in this very view is shared, and stays as it is when a frame in this view is drawn.
+    /// How many pipelines are held.
+    #[must_use]
+    pub fn pipelines(&self) -> usize {
+        self.pipelines.len()
+    }
+
+    /// Proves a plan for a view and for its own: records every pass, builds every pipeline and every allocation inside
+    /// error scopes. What `before` holds of use in this very view is shared where a frame in this view will not write
+    /// it, and so stays as it is when that frame is drawn.
     ///
     /// # Errors
     /// What a node kind or the device refused; `before` is untouched in any case.
@@ -116,77 +122,130 @@ impl Runner {
         view: &View,
         before: Option<&Installation>,
     ) -> Result<Installation, GpuError> {
+        let chosen = before.map_or_else(BTreeMap::new, |before| before.chosen.clone());
         for &id in &plan.order {
             let node = &plan.graph.nodes[id];
             let Some(program) = &node.program else {
                 continue;
             };
-            for variant in self.variants_to_prove(&plan, id) {
-                for pass in plan.record(id, view, variant)? {
-                    self.pipelines.get(&self.gpu, &node.name, program, &pass)?;
+            for variant in variants_to_prove(&chosen, &plan, id) {
+                for view in views(&plan, view) {
+                    for pass in plan.record(id, &view, variant)? {
+                        self.pipelines.get(&self.gpu, &node.name, program, &pass)?;
+                    }
                 }
             }
         }
-        let wishes = installation::wishes(&plan, view);
+        let fingerprints = plan.fingerprints(view);
+        let wishes = installation::wishes(&plan, &fingerprints);
         let there: &[_] = before.map_or(&[], |before| &before.held);
-        let offers: Vec<_> = there
-            .iter()
-            .map(|held| (held.resource, held.is_storage, held.content.clone()))
-            .collect();
         let bytes = before.map_or(0, Installation::bytes);
         let mut held = Vec::new();
-        for (wish, at) in wishes.iter().zip(shared(&offers, &wishes)) {
+        for (wish, at) in wishes
+            .iter()
+            .zip(unwritten(&plan, &fingerprints, there, &wishes))
+        {
             held.push(match at {
                 Some(at) => {
                     self.reused += 1;
                     there[at].clone()
                 }
                 None => {
-                    let what = format!("allocating {:?}", wish.resource);
-                    self.made += 1;
-                    self.gpu.scoped(&what, bytes, || {
+                    let made = self.gpu.allocate(wish.resource, bytes, || {
                         make(&self.gpu.device, wish.resource, wish.is_storage)
-                    })?
+                    })?;
+                    self.made += 1;
+                    made
                 }
             });
         }
         let scratch = before.and_then(|before| before.scratch.clone());
+        let mut faults = before.map_or_else(BTreeMap::new, |before| before.faults.clone());
+        faults.retain(|made_by, _| fingerprints.values().any(|it| it == made_by));
         Ok(Installation {
             plan,
             held,
             scratch,
+            chosen,
+            has_chosen: false,
+            faults,
         })
     }
 
-    /// Lets go of every pipeline and shader module that this installation does not use.
-    pub fn keep(&mut self, installation: &Installation) {
+    /// Lets go of every pipeline and shader module that this installation does not use in this view and in its own.
+    pub fn keep(&mut self, installation: &Installation, view: &View) {
         let plan = &installation.plan;
         let mut used = Vec::new();
         for &id in &plan.order {
             let Some(program) = &plan.graph.nodes[id].program else {
                 continue;
             };
-            for variant in self.variants_to_prove(plan, id) {
-                // It has been recorded in this view before.
-                for pass in plan.record(id, &plan.view(), variant).into_iter().flatten() {
-                    used.extend(crate::pipelines::key(program, &pass));
+            for variant in variants_to_prove(&installation.chosen, plan, id) {
+                for view in views(plan, view) {
+                    // It has been recorded in these views before.
+                    for pass in plan.record(id, &view, variant).into_iter().flatten() {
+                        used.extend(crate::pipelines::key(program, &pass));
+                    }
                 }
             }
         }
         self.pipelines.retain(&used);
+        // What was dropped is freed now, and not when somebody waits for the next frame.
+        let _ = self.gpu.device.poll(wgpu::PollType::Poll);
     }
+}
 
-    /// `[None]` for a node with one way to run; the chosen variant, or all of them before one is chosen.
-    fn variants_to_prove(&self, plan: &Plan, id: NodeId) -> Vec<Option<&'static str>> {
-        let variants = plan.variants(id);
-        if variants.is_empty() {
-            return vec![None];
-        }
-        match self.chosen.get(&variant_key(plan, id)) {
-            Some(chosen) if variants.contains(&chosen.variant) => vec![Some(chosen.variant)],
-            _ => variants.into_iter().map(Some).collect(),
+/// The views that passes are recorded for: a frame's, and the plan's own, in which variants are measured. A volume out
+/// of view has other passes than one in view.
+fn views(plan: &Plan, view: &View) -> Vec<View> {
+    let own = plan.view();
+    if own == *view {
+        vec![own]
+    } else {
+        vec![own, *view]
+    }
+}
+
+/// `[None]` for a node with one way to run; the chosen variant, or all of them before one is chosen.
+fn variants_to_prove(
+    chosen: &BTreeMap<String, Chosen>,
+    plan: &Plan,
+    id: NodeId,
+) -> Vec<Option<&'static str>> {
+    let variants = plan.variants(id);
+    if variants.is_empty() {
+        return vec![None];
+    }
+    match chosen.get(&variant_key(plan, id)) {
+        Some(chosen) if variants.contains(&chosen.variant) => vec![Some(chosen.variant)],
+        _ => variants.into_iter().map(Some).collect(),
+    }
+}
+
+/// What each wish shares of what is there. A node of which one output is there and another is not runs, and would
+/// write the shared one again while somebody else relies on it: it shares nothing.
+fn unwritten(
+    plan: &Plan,
+    fingerprints: &BTreeMap<NodeId, Digest>,
+    there: &[Held],
+    wishes: &[Wish],
+) -> Vec<Option<usize>> {
+    let offers: Vec<_> = there
+        .iter()
+        .map(|held| (held.resource, held.is_storage, held.content.clone()))
+        .collect();
+    let mut taken = shared(&offers, wishes);
+    let contents: Vec<_> = taken
+        .iter()
+        .map(|at| there[(*at)?].content.clone())
+        .collect();
+    let running = must_run(plan, fingerprints, &contents);
+    for ((id, _), allocation) in &plan.allocation_of {
+        if running.contains(id) {
+            taken[*allocation] = None;
         }
     }
+    taken
 }
 
 /// What a choice among variants depends on: the shaders' names, not their texts. A text that is being edited need not

@@ -108,8 +108,12 @@ pub fn check(
     })
 }
 
-/// Runs `work` where naga's recursion has room; an error where it panicked.
-pub(crate) fn with_room<T: Send>(work: impl Fn() -> T + Sync) -> thread::Result<T> {
+/// Runs `work` on a thread of its own where the recursion of naga, and of what compiles its modules, has room: 128 MiB
+/// of stack. What is bound to the caller's thread, such as wgpu's error scopes, has to be set up inside.
+///
+/// # Errors
+/// What `work` panicked with.
+pub fn with_room<T: Send>(work: impl Fn() -> T + Sync) -> thread::Result<T> {
     thread::scope(|scope| {
         let deep = thread::Builder::new()
             .name("volgraph-shader-check".to_owned())

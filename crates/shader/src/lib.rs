@@ -30,7 +30,7 @@ mod token;
 mod uniform;
 mod wording;
 
-pub use check::{Module, check, check_file};
+pub use check::{Module, check, check_file, with_room};
 pub use diagnose::DECLARED_HERE;
 pub use files::{DiskFiles, MemoryFiles, ShaderFiles};
 pub use guard::{GuardRequest, GuardSite, Guarded, Hazard, guard};

@@ -188,7 +188,8 @@ impl Linked {
     }
 
     /// The root file as a whole.
-    pub(crate) fn root_place(&self) -> Place {
+    #[must_use]
+    pub fn root_place(&self) -> Place {
         let root = self.files.last().map(|file| file.path.clone());
         Place::whole_file(root.unwrap_or_default())
     }

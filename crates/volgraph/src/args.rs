@@ -120,6 +120,9 @@ pub struct SceneArgs {
     /// The adapter: part of its name, a backend (vulkan, gl, metal, dx12) or a class (discrete, software, …).
     #[arg(long, value_name = "WORDS", env = "VOLGRAPH_ADAPTER")]
     pub adapter: Option<String>,
+    /// Most memory of one texture or buffer in GiB, for devices with much of it; more is refused. 8 by default.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
+    pub max_resource_gib: Option<u64>,
 }
 
 impl SceneArgs {

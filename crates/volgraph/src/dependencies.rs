@@ -23,8 +23,9 @@ impl Dependencies {
     /// Those of a scene and the shaders that were read for it.
     #[must_use]
     pub fn of(scene: &Scene, snapshot: &SnapshotFiles) -> Self {
-        let mut files = scene.data.clone();
-        files.extend(shaders(snapshot));
+        // What a source says of its own files is older than what else was seen of them, and so the safe side.
+        let mut files: BTreeMap<PathBuf, Seen> = shaders(snapshot).collect();
+        files.extend(scene.data.clone());
         let mut dependencies = Self {
             files,
             folders: BTreeSet::new(),
@@ -34,16 +35,19 @@ impl Dependencies {
     }
 
     /// Takes note of a graph's text (`None` where it cannot be read) and of what changed, as an attempt finds them
-    /// that may end before it knows more.
+    /// that may end before it knows more. `data` are files of sources.
     pub(crate) fn note(
         &mut self,
         graph: &Path,
         text: Option<&String>,
         changed: &BTreeSet<PathBuf>,
+        data: &BTreeMap<PathBuf, Seen>,
         snapshot: &SnapshotFiles,
     ) {
         for path in changed {
             match self.files.get_mut(path) {
+                // Not read here: it may be large.
+                Some(seen) if data.contains_key(path) => *seen = as_it_is(path),
                 // What a snapshot has read it tells below.
                 Some(Seen::Digest(_) | Seen::Absent) => {
                     let _ = snapshot.read(path);
@@ -65,10 +69,18 @@ impl Dependencies {
         self.files.insert(graph.to_path_buf(), text);
     }
 
-    /// What a source's load looked for and found or not, where it failed.
-    pub(crate) fn note_failed_source(&mut self, asked: &BTreeSet<PathBuf>) {
+    /// Adds what another attempt has seen of files that are not known here.
+    pub(crate) fn add(&mut self, other: Self) {
+        for (path, seen) in other.files {
+            self.files.entry(path).or_insert(seen);
+        }
+        self.folders.extend(other.folders);
+    }
+
+    /// What loads of sources that began at `began` looked for and found or not, where one failed.
+    pub(crate) fn note_failed_source(&mut self, asked: &BTreeSet<PathBuf>, began: SystemTime) {
         for path in asked.iter().filter(|path| !is_embedded(path)) {
-            self.files.insert(path.clone(), as_it_is(path));
+            self.files.insert(path.clone(), data_since(path, began));
             // Its header may name other files: anything beside it may mend it.
             if let (true, Some(folder)) = (path.exists(), path.parent()) {
                 self.folders.insert(folder.to_path_buf());

@@ -159,6 +159,18 @@ impl Scene {
         )
     }
 
+    /// Takes those sources of another scene that are the same, so that they are held once.
+    pub(crate) fn share_sources(&mut self, other: &Self) {
+        for (name, source) in &mut self.sources {
+            let there = other.sources.get(name).filter(|there| {
+                there.digest() == source.digest() && there.files() == source.files()
+            });
+            if let Some(there) = there {
+                *source = Arc::clone(there);
+            }
+        }
+    }
+
     /// From the text to the graph and its sources.
     fn read(
         mut self,
@@ -198,7 +210,7 @@ impl Scene {
             }
         }
         if sources.len() < self.desc.sources.len() {
-            dependencies.note_failed_source(&folders.asked());
+            dependencies.note_failed_source(&folders.asked(), began);
         }
         self.sources = sources;
         // Names can be looked up even where a source is broken: all findings at once.
@@ -245,6 +257,13 @@ impl Scene {
         size: [u32; 2],
         with_layers: bool,
     ) -> Result<Plan, Findings> {
+        if size.contains(&0) {
+            let [width, height] = size;
+            let message = format!("a picture of {width}x{height} has no pixels");
+            return Err(Finding::error("picture-size", message)
+                .help("give both sides at least one pixel")
+                .into());
+        }
         let layers = [("depth", "color", "depth"), ("opacity", "color", "opacity")];
         Plan::build(PlanRequest {
             desc: &self.desc,

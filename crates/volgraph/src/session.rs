@@ -12,15 +12,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use volgraph_gpu::{
-    AdapterChoice, AdapterSummary, FrameReport, Gpu, GpuError, Installation, Runner, Texels,
-};
+use volgraph_gpu::{AdapterChoice, AdapterSummary, FrameReport, Gpu, Installation, Runner, Texels};
 use volgraph_graph::demand::ShaderLibrary;
-use volgraph_graph::{Camera, CameraDesc, Plan, Registry, View};
+use volgraph_graph::{Camera, CameraDesc, Limits, Plan, Registry, View};
 use volgraph_nodes::raycast::NO_DEPTH;
 use volgraph_picture::Picture;
 use volgraph_report::{Finding, Findings};
-use volgraph_shader::SnapshotFiles;
+use volgraph_shader::{DiskFiles, SnapshotFiles};
 
 pub use change::{Change, ChangeReport, ChangedFile, Drawn, Outcome, Refused, Stages};
 
@@ -43,6 +41,9 @@ pub struct SessionOptions {
     pub shader_folders: ShaderFolders,
     /// Whether pictures carry depth and opacity.
     pub with_layers: bool,
+    /// Most bytes of one texture or buffer; [`Limits::max_resource_bytes`] by default. More is refused before it is
+    /// allocated. For devices with large memories.
+    pub max_resource_bytes: Option<u64>,
 }
 
 impl Default for SessionOptions {
@@ -53,6 +54,19 @@ impl Default for SessionOptions {
             overrides: Overrides::default(),
             shader_folders: ShaderFolders::default(),
             with_layers: false,
+            max_resource_bytes: None,
+        }
+    }
+}
+
+impl SessionOptions {
+    /// What plans for a device may ask for.
+    #[must_use]
+    pub fn limits(&self, gpu: &Gpu) -> Limits {
+        let limits = gpu.limits();
+        Limits {
+            max_resource_bytes: self.max_resource_bytes.unwrap_or(limits.max_resource_bytes),
+            ..limits
         }
     }
 }
@@ -64,10 +78,12 @@ pub struct Session {
     state: State,
     /// All overrides that are wanted, those included for which there is no parameter at the moment.
     wanted: Overrides,
-    /// What the last attempt read.
+    /// What the last attempt read that was taken or was one of files.
     dependencies: Dependencies,
     /// Files whose change was refused, until a change of files is taken.
     pending: BTreeSet<PathBuf>,
+    /// Why they were, until then.
+    refused_files: Option<Findings>,
     /// Why the last change was refused.
     refused: Option<Findings>,
     /// Why the device was made again, until it is told.
@@ -92,6 +108,8 @@ struct State {
     installation: Installation,
     stance: Stance,
     view: View,
+    /// Whether a picture of it has been looked at and found good.
+    is_proven: bool,
 }
 
 /// Where the camera stands.
@@ -169,6 +187,8 @@ impl Session {
             &mut dependencies,
         );
         let started = loaded.and_then(|scene| {
+            // Where there is no device, what the sources were read from is all that is known.
+            dependencies = Dependencies::of(&scene, &SnapshotFiles::new(Arc::new(DiskFiles)));
             let gpu = Arc::new(Gpu::open(&options.adapter)?);
             Self::start_noting(scene, gpu, options, &mut dependencies)
         });
@@ -194,7 +214,8 @@ impl Session {
     ) -> Result<Self, Findings> {
         scene.check_color_output()?;
         let (shaders, snapshot) = apply::library(&scene, &gpu);
-        let plan = scene.plan(&shaders, &gpu.limits(), options.size, options.with_layers);
+        let limits = options.limits(&gpu);
+        let plan = scene.plan(&shaders, &limits, options.size, options.with_layers);
         *dependencies = Dependencies::of(&scene, &snapshot);
         let plan = plan?;
         let stance = Stance::Graph;
@@ -213,8 +234,10 @@ impl Session {
                 installation,
                 stance,
                 view,
+                is_proven: false,
             },
             pending: BTreeSet::new(),
+            refused_files: None,
             refused: None,
             remade: None,
         })
@@ -250,8 +273,8 @@ impl Session {
         &self.state.view
     }
 
-    /// The files that the picture depends on, as the last attempt to draw it used them: after a change that was
-    /// refused, those of the refused state.
+    /// The files that the picture depends on, as the last attempt to draw it used them: after a change of files that
+    /// was refused, those of the refused state.
     #[must_use]
     pub fn dependencies(&self) -> &Dependencies {
         &self.dependencies
@@ -272,21 +295,36 @@ impl Session {
         self.state.stance = stance;
     }
 
+    /// Which adapter is opened where the device is lost from now on.
+    pub fn set_adapter(&mut self, adapter: AdapterChoice) {
+        self.options.adapter = adapter;
+    }
+
     /// Draws a frame without reading it back.
     ///
     /// # Errors
     /// What a node or the device refused, and hazards that a shader ran into. A lost device is opened again first.
     pub fn draw(&mut self) -> Result<FrameReport, Findings> {
         self.revive()?;
-        let state = &mut self.state;
-        match self.runner.frame(&mut state.installation, &state.view) {
-            Err(GpuError::Lost(_)) => {
+        match self.frame() {
+            Err(_) if self.runner.gpu().lost().is_some() => {
                 self.revive()?;
-                let state = &mut self.state;
-                Ok(self.runner.frame(&mut state.installation, &state.view)?)
+                self.frame()
             }
-            drawn => Ok(drawn?),
+            drawn => drawn,
         }
+    }
+
+    fn frame(&mut self) -> Result<FrameReport, Findings> {
+        let State {
+            installation, view, ..
+        } = &mut self.state;
+        let mut report = self.runner.frame(installation, view)?;
+        if installation.take_has_chosen() {
+            self.runner.keep(installation, view);
+            report.pipelines = self.runner.pipelines();
+        }
+        Ok(report)
     }
 
     /// Draws the frame and reads the output `color` back, with depth and opacity where the session has them.
@@ -295,7 +333,13 @@ impl Session {
     /// As [`Self::draw`].
     pub fn render(&mut self) -> Result<(Picture, FrameReport), Findings> {
         let report = self.draw()?;
-        Ok((self.state.picture(&self.runner)?, report))
+        match self.state.picture(&self.runner) {
+            Err(_) if self.runner.gpu().lost().is_some() => {
+                let report = self.draw()?;
+                Ok((self.state.picture(&self.runner)?, report))
+            }
+            picture => Ok((picture?, report)),
+        }
     }
 
     /// As [`Self::render`], held to what [`Self::apply`] asks of a picture: no hazard, and finite colours.
@@ -303,10 +347,19 @@ impl Session {
     /// # Errors
     /// As [`Self::draw`], the hazards that are warnings there, and `not-finite`.
     pub fn render_checked(&mut self) -> Result<(Picture, FrameReport), Findings> {
-        let (picture, report) = self.render()?;
-        apply::check_hazards(&report)?;
-        apply::check_finite(&picture, &self.state)?;
-        Ok((picture, report))
+        let checked = self.render().and_then(|(picture, report)| {
+            apply::check_hazards(&report)?;
+            apply::check_finite(&picture, self.plan())?;
+            Ok((picture, report))
+        });
+        match &checked {
+            Ok(_) => self.state.is_proven = true,
+            Err(findings) => {
+                self.refused_files = Some(findings.clone());
+                self.refused = Some(findings.clone());
+            }
+        }
+        checked
     }
 
     /// Why the device was lost and opened again since this was last asked, if it was.
@@ -319,17 +372,36 @@ impl Session {
         self.runner.gpu().destroy();
     }
 
-    /// Opens the device again where it is lost, with what was drawn last.
+    /// Opens the device again where it is lost, with what was drawn last. Another adapter may have taken its place, for
+    /// which the same files come to another plan.
     fn revive(&mut self) -> Result<(), Findings> {
         let Some(reason) = self.runner.gpu().lost() else {
             return Ok(());
         };
         let gpu = Arc::new(Gpu::open(&self.options.adapter)?);
+        let limits = self.options.limits(&gpu);
+        let state = &mut self.state;
+        let mut plan = Arc::clone(state.installation.plan());
+        let is_alike = gpu.capabilities() == self.runner.gpu().capabilities();
+        if !is_alike {
+            let roots = state.shaders.roots().clone();
+            state.shaders = state
+                .scene
+                .shader_library(gpu.capabilities())
+                .with_roots(roots);
+        }
+        if !is_alike || plan.limits != limits {
+            let (size, with_layers) = (state.view.size, self.options.with_layers);
+            plan = Arc::new(
+                state
+                    .scene
+                    .plan(&state.shaders, &limits, size, with_layers)?,
+            );
+        }
         let mut runner = Runner::new(gpu);
-        let plan = Arc::clone(self.state.installation.plan());
-        let installation = runner.prepare(plan, &self.state.view, None)?;
+        let installation = runner.prepare(plan, &state.view, None)?;
         self.runner = runner;
-        self.state.installation = installation;
+        state.installation = installation;
         self.remade = Some(reason);
         Ok(())
     }
@@ -339,57 +411,68 @@ impl Session {
     /// # Errors
     /// Where there is no such output, or it is no colour.
     pub fn read(&self, output: &str) -> Result<Picture, Findings> {
-        self.state.read(&self.runner, output)
+        read(&self.runner, &self.state.installation, output)
     }
 }
 
 impl State {
     /// The picture of the last frame.
     fn picture(&self, runner: &Runner) -> Result<Picture, Findings> {
-        let plan = self.installation.plan();
-        let mut picture = self.read(runner, "color")?;
-        let layer = |name: &str| -> Result<Option<Vec<f32>>, Findings> {
-            if plan.graph.outputs.contains_key(name) {
-                Ok(Some(runner.read(&self.installation, name)?.to_f32()))
-            } else {
-                Ok(None)
-            }
-        };
-        picture.opacity = layer("opacity")?;
-        picture.depth = layer("depth")?;
-        for depth in picture.depth.iter_mut().flatten() {
-            if *depth >= NO_DEPTH {
-                *depth = f32::INFINITY;
-            }
-        }
-        picture.metadata = metadata::of(&self.scene, plan, &self.view, runner.gpu().adapter());
-        Ok(picture)
+        picture(runner, &self.installation, &self.scene, &self.view)
     }
+}
 
-    fn read(&self, runner: &Runner, output: &str) -> Result<Picture, Findings> {
-        let texels: Texels = runner.read(&self.installation, output)?;
-        let numbers = texels.to_f32();
-        let [width, height, _] = texels.extent;
-        let pixels = width as usize * height as usize;
-        let color: Vec<[f32; 4]> = if numbers.len() == 4 * pixels {
-            numbers
-                .chunks_exact(4)
-                .map(|p| [p[0], p[1], p[2], p[3]])
-                .collect()
-        } else if numbers.len() == pixels {
-            numbers
-                .iter()
-                .map(|&value| [value, value, value, 1.0])
-                .collect()
+/// The picture of an installation's last frame.
+fn picture(
+    runner: &Runner,
+    installation: &Installation,
+    scene: &Scene,
+    view: &View,
+) -> Result<Picture, Findings> {
+    let plan = installation.plan();
+    let mut picture = read(runner, installation, "color")?;
+    let layer = |name: &str| -> Result<Option<Vec<f32>>, Findings> {
+        if plan.graph.outputs.contains_key(name) {
+            Ok(Some(runner.read(installation, name)?.to_f32()))
         } else {
-            return Err(Finding::error(
-                "output",
-                format!("output `{output}` is no picture but {:?}", texels.format),
-            )
-            .help("name an output of a port of type color or scalar_2d")
-            .into());
-        };
-        Picture::from_color(width, height, color)
-            .map_err(|error| Finding::error("picture", error.to_string()).into())
+            Ok(None)
+        }
+    };
+    picture.opacity = layer("opacity")?;
+    picture.depth = layer("depth")?;
+    for depth in picture.depth.iter_mut().flatten() {
+        if *depth >= NO_DEPTH {
+            *depth = f32::INFINITY;
+        }
     }
+    picture.metadata = metadata::of(scene, plan, view, runner.gpu().adapter());
+    Ok(picture)
+}
+
+/// Any 2D colour output of an installation's last frame.
+fn read(runner: &Runner, installation: &Installation, output: &str) -> Result<Picture, Findings> {
+    let texels: Texels = runner.read(installation, output)?;
+    let numbers = texels.to_f32();
+    let [width, height, _] = texels.extent;
+    let pixels = width as usize * height as usize;
+    let color: Vec<[f32; 4]> = if numbers.len() == 4 * pixels {
+        numbers
+            .chunks_exact(4)
+            .map(|p| [p[0], p[1], p[2], p[3]])
+            .collect()
+    } else if numbers.len() == pixels {
+        numbers
+            .iter()
+            .map(|&value| [value, value, value, 1.0])
+            .collect()
+    } else {
+        return Err(Finding::error(
+            "output",
+            format!("output `{output}` is no picture but {:?}", texels.format),
+        )
+        .help("name an output of a port of type color or scalar_2d")
+        .into());
+    };
+    Picture::from_color(width, height, color)
+        .map_err(|error| Finding::error("picture", error.to_string()).into())
 }

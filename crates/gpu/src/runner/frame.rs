@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-use volgraph_graph::{NodeId, Pass, Plan, View};
+use volgraph_graph::{Digest, NodeId, Pass, Plan, View};
 use volgraph_report::{Finding, Findings};
 use wgpu::{
     Color, CommandEncoder, CommandEncoderDescriptor, Extent3d, LoadOp, Operations,
@@ -15,7 +15,7 @@ use wgpu::{
 use super::schedule::must_run;
 use super::{Chosen, FrameReport, Installation, NodeReport, Runner, variant_key};
 use crate::error::GpuError;
-use crate::guard::Watched;
+use crate::guard::{Found, Watched};
 use crate::pipelines::{PipelineKind, SCRATCH_FORMAT};
 use crate::timing::Timer;
 
@@ -27,6 +27,29 @@ struct Recording {
     encoder: CommandEncoder,
     timer: Option<Timer>,
     watched: Watched,
+    /// What went wrong in what was submitted.
+    found: Found,
+}
+
+impl Recording {
+    fn new(encoder: CommandEncoder, timer: Option<Timer>) -> Self {
+        Self {
+            encoder,
+            timer,
+            watched: Watched::default(),
+            found: Found::new(),
+        }
+    }
+
+    /// Everything that went wrong, where something did that leaves no picture.
+    fn check(&self) -> Result<(), GpuError> {
+        let all = self.found.iter().flat_map(|(_, findings)| findings);
+        let all: Findings = all.cloned().collect();
+        if all.has_errors() {
+            return Err(all.into());
+        }
+        Ok(())
+    }
 }
 
 impl Runner {
@@ -39,6 +62,19 @@ impl Runner {
         installation: &mut Installation,
         view: &View,
     ) -> Result<FrameReport, GpuError> {
+        let drawn = self.frame_here(installation, view);
+        if drawn.is_err() {
+            // What the device had to say beside that is of this frame, and must not be taken for the next one's.
+            let _ = self.gpu.take_fault("drawing");
+        }
+        drawn
+    }
+
+    fn frame_here(
+        &mut self,
+        installation: &mut Installation,
+        view: &View,
+    ) -> Result<FrameReport, GpuError> {
         let plan = Arc::clone(&installation.plan);
         let fingerprints = plan.fingerprints(view);
         let contents: Vec<_> = installation
@@ -47,11 +83,7 @@ impl Runner {
             .map(|held| held.content.clone())
             .collect();
         let running = must_run(&plan, &fingerprints, &contents);
-        let mut recording = Recording {
-            encoder: self.encoder(),
-            timer: Timer::new(&self.gpu, running.len()),
-            watched: Watched::default(),
-        };
+        let mut recording = Recording::new(self.encoder(), Timer::new(&self.gpu, running.len()));
         let mut written = Vec::new();
         let mut variants: BTreeMap<NodeId, &'static str> = BTreeMap::new();
         for &id in plan.order.iter().filter(|id| running.contains(id)) {
@@ -78,17 +110,17 @@ impl Runner {
         if let Some(timer) = &recording.timer {
             timer.resolve(&mut recording.encoder);
         }
-        let (hazards, timer) = self.submit(recording)?;
-        if hazards.has_errors() {
-            return Err(hazards.into());
-        }
-        let times = match &timer {
+        self.settle(&mut recording)?;
+        recording.check()?;
+        let times = match &recording.timer {
             Some(timer) => timer.milliseconds(&self.gpu)?,
             None => Vec::new(),
         };
         for (allocation, content) in written {
             installation.held[allocation].content = Some(content);
         }
+        let ran: Vec<Digest> = running.iter().map(|id| fingerprints[id]).collect();
+        installation.remember(&plan, &fingerprints, &ran, recording.found);
         let mut times = times.into_iter();
         let nodes = plan
             .order
@@ -97,7 +129,7 @@ impl Runner {
             .map(|id| {
                 let node = &plan.graph.nodes[*id];
                 let ran = running.contains(id);
-                let measured = self
+                let measured = installation
                     .chosen
                     .get(&variant_key(&plan, *id))
                     .map(|chosen| &chosen.measured);
@@ -122,7 +154,7 @@ impl Runner {
             nodes: nodes.collect(),
             memory: self.memory(installation),
             pipelines: self.pipelines.len(),
-            hazards,
+            hazards: installation.hazards(&plan, &fingerprints),
         })
     }
 
@@ -134,21 +166,18 @@ impl Runner {
             })
     }
 
-    /// Submits what is recorded, waits for it, and tells what the guards have seen.
-    fn submit(&self, recording: Recording) -> Result<(Findings, Option<Timer>), GpuError> {
-        let Recording {
-            mut encoder,
-            timer,
-            watched,
-        } = recording;
-        let counters = watched.resolve(&self.gpu, &mut encoder);
-        self.gpu.queue.submit([encoder.finish()]);
+    /// Submits what is recorded, waits for it, and takes note of what the guards have seen.
+    fn settle(&self, recording: &mut Recording) -> Result<(), GpuError> {
+        let watched = std::mem::take(&mut recording.watched);
+        let counters = watched.resolve(&self.gpu, &mut recording.encoder);
+        self.flush(recording);
         self.gpu.wait()?;
-        let hazards = match &counters {
-            Some(counters) => watched.findings(&self.gpu, counters)?,
-            None => Findings::new(),
-        };
-        Ok((hazards, timer))
+        if let Some(counters) = &counters {
+            recording
+                .found
+                .extend(watched.findings(&self.gpu, counters)?);
+        }
+        Ok(())
     }
 
     fn flush(&self, recording: &mut Recording) {
@@ -174,15 +203,16 @@ impl Runner {
             return Ok(Some(first));
         }
         let key = variant_key(&plan, id);
-        if let Some(chosen) = self
+        if let Some(chosen) = installation
             .chosen
             .get(&key)
             .filter(|chosen| variants.contains(&chosen.variant))
         {
             return Ok(Some(chosen.variant));
         }
-        self.flush(recording);
-        self.gpu.wait()?;
+        // Nodes before may share a guard with this one, whose counters the measuring clears.
+        self.settle(recording)?;
+        recording.check()?;
         // The plan's own camera has the volumes in view, wherever this frame's looks.
         let small = View {
             size: view.size.map(|n| n.min(MEASURE_SIZE)),
@@ -192,18 +222,12 @@ impl Runner {
         // The first run compiles; of the others, in turns, the fastest counts: what is beside on the machine only adds.
         for round in 0..3 {
             for &variant in &variants {
-                let mut recording = Recording {
-                    encoder: self.encoder(),
-                    timer: None,
-                    watched: Watched::default(),
-                };
+                let mut recording = Recording::new(self.encoder(), None);
                 let start = Instant::now();
                 self.node(installation, id, &small, Some(variant), &mut recording)?;
-                let (hazards, _) = self.submit(recording)?;
+                self.settle(&mut recording)?;
                 // What does not end need not be timed.
-                if hazards.has_errors() {
-                    return Err(hazards.into());
-                }
+                recording.check()?;
                 let elapsed = start.elapsed().as_secs_f64() * 1e3;
                 if round > 0 {
                     times
@@ -221,7 +245,8 @@ impl Runner {
             variant: fastest,
             measured: times,
         };
-        self.chosen.insert(key, chosen);
+        installation.chosen.insert(key, chosen);
+        installation.has_chosen = true;
         Ok(Some(fastest))
     }
 
@@ -246,7 +271,7 @@ impl Runner {
                 Pass::Compute { workgroups, .. } => {
                     let (pipeline, groups) = self.bound(installation, id, view, variant, &pass)?;
                     if let Some(guard) = &pipeline.guard {
-                        recording.watched.note(guard, &mut recording.encoder);
+                        recording.watched.note(guard, id, &mut recording.encoder);
                     }
                     if let PipelineKind::Compute(compute) = &pipeline.kind {
                         let mut encoder = recording.encoder.begin_compute_pass(&Default::default());
@@ -260,7 +285,7 @@ impl Runner {
                 Pass::Draw { mesh, .. } => {
                     let (pipeline, groups) = self.bound(installation, id, view, variant, &pass)?;
                     if let Some(guard) = &pipeline.guard {
-                        recording.watched.note(guard, &mut recording.encoder);
+                        recording.watched.note(guard, id, &mut recording.encoder);
                     }
                     let scratch = self.scratch(installation, view.size)?;
                     let vertices = installation.input(id, mesh.port)?.buffer();

@@ -1,14 +1,16 @@
 //! A plan with its memory on the device.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use volgraph_graph::{NodeId, Plan, View};
+use volgraph_graph::{Digest, NodeId, Plan};
+use volgraph_report::{Finding, Findings};
 use wgpu::Texture;
 
-use super::Runner;
 use super::frame::internal;
+use super::{Chosen, Runner};
 use crate::error::GpuError;
+use crate::guard::Found;
 use crate::pool::{Held, PoolReport, Wish};
 use crate::readback::{Texels, read_texture};
 
@@ -19,6 +21,13 @@ pub struct Installation {
     pub(super) held: Vec<Held>,
     /// The target of draw passes, as large as the last view; nothing is written to it.
     pub(super) scratch: Option<Texture>,
+    /// By [`super::variant_key`]: an edit of a shader's text keeps the choice.
+    pub(super) chosen: BTreeMap<String, Chosen>,
+    /// Whether a variant was chosen since somebody asked.
+    pub(super) has_chosen: bool,
+    /// What went wrong while a result was made, by the fingerprint of the node that made it. As long as the result is
+    /// held instead of made again, this stands too.
+    pub(super) faults: BTreeMap<Digest, Findings>,
 }
 
 impl Installation {
@@ -26,6 +35,12 @@ impl Installation {
     #[must_use]
     pub fn plan(&self) -> &Arc<Plan> {
         &self.plan
+    }
+
+    /// Whether a frame has chosen among variants since this was last asked. The pipelines of the others are then of no
+    /// more use ([`Runner::keep`]).
+    pub fn take_has_chosen(&mut self) -> bool {
+        std::mem::take(&mut self.has_chosen)
     }
 
     /// Bytes that it holds on the device.
@@ -40,6 +55,39 @@ impl Installation {
                 .iter()
                 .map(|held| held.resource.bytes())
                 .sum::<u64>()
+    }
+
+    /// Takes note of what went wrong in the results that a frame has made, those of the nodes that `ran`, and forgets
+    /// what went wrong in results of other views.
+    pub(super) fn remember(
+        &mut self,
+        plan: &Plan,
+        fingerprints: &BTreeMap<NodeId, Digest>,
+        ran: &[Digest],
+        found: Found,
+    ) {
+        let current: BTreeSet<Digest> = plan.order.iter().map(|id| fingerprints[id]).collect();
+        self.faults
+            .retain(|made_by, _| current.contains(made_by) && !ran.contains(made_by));
+        for (nodes, findings) in found {
+            for id in nodes {
+                let faults = self.faults.entry(fingerprints[&id]).or_default();
+                faults.extend(findings.clone());
+            }
+        }
+    }
+
+    /// What went wrong in the results of this view, each once.
+    pub(super) fn hazards(&self, plan: &Plan, fingerprints: &BTreeMap<NodeId, Digest>) -> Findings {
+        let mut hazards: Vec<&Finding> = Vec::new();
+        for id in &plan.order {
+            for finding in self.faults.get(&fingerprints[id]).into_iter().flatten() {
+                if !hazards.contains(&finding) {
+                    hazards.push(finding);
+                }
+            }
+        }
+        hazards.into_iter().cloned().collect()
     }
 
     pub(super) fn output(&self, id: NodeId, port: &str) -> Result<&Held, GpuError> {
@@ -99,9 +147,8 @@ impl Runner {
     }
 }
 
-/// What each allocation of a plan has to be, and would best hold already in this view.
-pub(super) fn wishes(plan: &Plan, view: &View) -> Vec<Wish> {
-    let fingerprints = plan.fingerprints(view);
+/// What each allocation of a plan has to be, and would best hold already in the view of these fingerprints.
+pub(super) fn wishes(plan: &Plan, fingerprints: &BTreeMap<NodeId, Digest>) -> Vec<Wish> {
     let mut wishes: Vec<Wish> = plan
         .allocations
         .iter()

@@ -16,7 +16,8 @@ pub struct FrameReport {
     pub memory: PoolReport,
     /// Pipelines held.
     pub pipelines: usize,
-    /// Warnings of what shaders did in it, such as loads from outside of a texture.
+    /// Warnings of what shaders did while they made what is shown, such as loads from outside of a texture: in this
+    /// frame, or in the one whose results still hold.
     pub hazards: Findings,
 }
 

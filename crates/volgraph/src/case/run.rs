@@ -284,6 +284,7 @@ impl Run<'_> {
             },
             shader_folders: self.options.shader_folders.clone(),
             with_layers: true,
+            ..SessionOptions::default()
         };
         let rendered = Session::open(graph, &options)
             .and_then(|mut session| session.render())

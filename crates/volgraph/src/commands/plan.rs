@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use volgraph::Limits;
 use volgraph_gpu::Gpu;
 
-use super::load;
+use super::{load, session_options};
 use crate::args::PlanArgs;
 use crate::output;
 
@@ -14,9 +14,18 @@ pub fn run(args: &PlanArgs) -> anyhow::Result<ExitCode> {
     let (limits, capabilities) = match &args.scene.adapter {
         Some(_) => {
             let gpu = Gpu::open(&args.scene.adapter_choice())?;
-            (gpu.limits(), gpu.capabilities())
+            let options = session_options(&args.scene, None);
+            (options.limits(&gpu), gpu.capabilities())
         }
-        None => (Limits::default(), naga::valid::Capabilities::default()),
+        None => {
+            let limits = Limits::default();
+            let most = session_options(&args.scene, None).max_resource_bytes;
+            let limits = Limits {
+                max_resource_bytes: most.unwrap_or(limits.max_resource_bytes),
+                ..limits
+            };
+            (limits, naga::valid::Capabilities::default())
+        }
     };
     let plan = scene.plan(
         &scene.shader_library(capabilities),

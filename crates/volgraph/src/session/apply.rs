@@ -10,21 +10,32 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use volgraph_gpu::FrameReport;
+use volgraph_gpu::{FrameReport, GpuError, Installation};
 use volgraph_graph::demand::ShaderLibrary;
-use volgraph_graph::{NodeId, Plan};
+use volgraph_graph::{NodeId, Plan, View};
 use volgraph_picture::Picture;
 use volgraph_report::{Finding, Findings, Place, Severity};
-use volgraph_shader::{DiskFiles, SnapshotFiles};
+use volgraph_shader::{DiskFiles, Linked, SnapshotFiles};
 
 use super::change::{Change, ChangeReport, ChangedFile, Drawn, Outcome, Refused, ms};
-use super::{Session, Stance, State};
+use super::{Session, Stance, State, picture};
 use crate::dependencies::Dependencies;
 use crate::overrides::{Overrides, ParamOverride};
 use crate::scene::{Scene, SourceProgress, read_text};
 
 /// What was tried: a new state with its picture, or `None` where it would be the old one.
 type Tried = Option<(State, Picture, Overrides)>;
+
+/// A state that is planned, and not yet on the device.
+struct Planned {
+    scene: Scene,
+    shaders: ShaderLibrary,
+    snapshot: SnapshotFiles,
+    plan: Arc<Plan>,
+    stance: Stance,
+    view: View,
+    wanted: Overrides,
+}
 
 impl Session {
     /// Applies a change and draws.
@@ -46,51 +57,71 @@ impl Session {
     ) -> Result<Outcome, Refused> {
         let mut report = ChangeReport::default();
         let whole = self.with_pending(change);
-        let tried = self
-            .revive()
-            .and_then(|()| self.attempt(&whole, &mut report, progress));
-        if let (Change::Files(changed), Change::Files(_)) = (whole, change) {
-            self.pending = if tried.is_ok() {
-                BTreeSet::new()
-            } else {
-                changed
-            };
+        let mut revived = self.revive();
+        let mut tried = self.attempt(&whole, &mut report, progress);
+        // Whether a device goes by the change's fault is only known when the next one goes as well.
+        if tried.is_err() && revived.is_ok() && self.is_lost() {
+            revived = self.revive();
+            report = ChangeReport::default();
+            tried = self.attempt(&whole, &mut report, progress);
+            // What worked gets a new one at once.
+            revived = revived.and_then(|()| self.revive());
         }
-        let result = match tried {
-            Ok(None) => Ok(Outcome::Unchanged),
-            Ok(Some((state, picture, wanted))) => {
+        let result = match (tried, revived) {
+            (Ok(None), Ok(())) => Ok(Outcome::Unchanged),
+            (Ok(Some((state, picture, wanted))), Ok(())) => {
                 self.state = state;
                 self.wanted = wanted;
                 Ok(Outcome::Drawn(Box::new(Drawn { picture, report })))
             }
-            Err(mut findings) => {
-                // The device may have gone with the change; what worked gets a new one at once.
-                if let Err(more) = self.revive() {
-                    findings.extend(more);
-                }
+            (tried, revived) => {
+                let mut findings = tried.err().unwrap_or_default();
+                findings.extend(revived.err().unwrap_or_default());
                 Err(findings)
             }
         };
         self.clean_up();
-        let device_remade = self.remade.take();
-        match result {
-            Ok(mut outcome) => {
-                self.refused = None;
-                if let Outcome::Drawn(drawn) = &mut outcome {
-                    drawn.report.device_remade = device_remade;
-                }
-                Ok(outcome)
+        self.conclude(whole, result)
+    }
+
+    /// Takes note of how a change ended.
+    fn conclude(
+        &mut self,
+        change: Change,
+        result: Result<Outcome, Findings>,
+    ) -> Result<Outcome, Refused> {
+        let is_repeat = match (&result, &change) {
+            (Err(findings), Change::Files(_)) => {
+                self.refused.as_ref() == Some(findings)
+                    || self.refused_files.as_ref() == Some(findings)
             }
-            Err(findings) => {
-                let is_repeat = self.refused.as_ref() == Some(&findings);
-                self.refused = Some(findings.clone());
-                Err(Refused {
-                    findings,
-                    is_repeat,
-                    device_remade,
-                })
-            }
+            (result, _) => result.as_ref().err() == self.refused.as_ref(),
+        };
+        self.refused = result.as_ref().err().cloned();
+        if let Change::Files(changed) = change {
+            self.refused_files = self.refused.clone();
+            self.pending = match &self.refused {
+                Some(_) => changed,
+                None => BTreeSet::new(),
+            };
         }
+        match result {
+            Ok(Outcome::Drawn(mut drawn)) => {
+                drawn.report.device_remade = self.remade.take();
+                drawn.report.frame.pipelines = self.runner.pipelines();
+                Ok(Outcome::Drawn(drawn))
+            }
+            Ok(Outcome::Unchanged) => Ok(Outcome::Unchanged),
+            Err(findings) => Err(Refused {
+                findings,
+                is_repeat,
+                device_remade: self.remade.take(),
+            }),
+        }
+    }
+
+    fn is_lost(&self) -> bool {
+        self.runner.gpu().lost().is_some()
     }
 
     /// A change of files with those of the changes that were refused since the last good one: what works has not seen
@@ -108,22 +139,61 @@ impl Session {
         report: &mut ChangeReport,
         progress: &dyn SourceProgress,
     ) -> Result<Tried, Findings> {
-        let mut wanted = self.wanted.clone();
-        if let Change::Set(sets) = change {
-            set(&mut wanted.params, sets);
-        }
         let mut clock = Clock::start();
+        let Some(planned) = self.look(change, report, progress, &mut clock)? else {
+            return Ok(None);
+        };
+        // Nothing can be proven where there is no device.
+        if let Some(reason) = self.runner.gpu().lost() {
+            return Err(GpuError::Lost(reason).into());
+        }
+        let (installation, picture) = self.prove(&planned, report, &mut clock)?;
+        if !matches!(change, Change::Files(_)) {
+            let seen = Dependencies::of(&planned.scene, &planned.snapshot);
+            if self.refused_files.is_none() {
+                self.dependencies = seen;
+            } else {
+                // What may mend the files is still to be watched.
+                self.dependencies.add(seen);
+            }
+        }
+        let state = State {
+            scene: planned.scene,
+            shaders: planned.shaders,
+            snapshot: planned.snapshot,
+            installation,
+            stance: planned.stance,
+            view: planned.view,
+            is_proven: true,
+        };
+        Ok(Some((state, picture, planned.wanted)))
+    }
+
+    /// Everything that needs no device. `None` where the picture would be the same.
+    fn look(
+        &mut self,
+        change: &Change,
+        report: &mut ChangeReport,
+        progress: &dyn SourceProgress,
+        clock: &mut Clock,
+    ) -> Result<Option<Planned>, Findings> {
+        let mut wanted = self.wanted.clone();
+        let sets: &[ParamOverride] = match change {
+            Change::Set(sets) => sets,
+            _ => &[],
+        };
+        set(&mut wanted.params, sets);
         let old = &self.state;
         let snapshot = match change {
             Change::Files(_) => SnapshotFiles::new(Arc::new(DiskFiles)),
-            _ => old.snapshot.clone(),
+            _ => old.snapshot.fork(),
         };
         let scene = match change {
             Change::Files(changed) => {
                 let text = read_text(&old.scene.path);
-                self.dependencies
-                    .note(&old.scene.path, text.as_ref().ok(), changed, &snapshot);
+                let (path, data) = (&old.scene.path, &old.scene.data);
                 let noted = &mut self.dependencies;
+                noted.note(path, text.as_ref().ok(), changed, data, &snapshot);
                 text.and_then(|text| old.scene.reload(text, changed, &wanted, progress, noted))
             }
             Change::Set(_) => old.scene.with_overrides(&wanted, progress),
@@ -140,33 +210,39 @@ impl Session {
             Change::Size(size) => *size,
             _ => old.view.size,
         };
-        let limits = self.runner.gpu().limits();
+        let limits = self.options.limits(self.runner.gpu());
         let with_layers = self.options.with_layers;
         let mut plan = scene.plan(&shaders, &limits, size, with_layers);
-        if let Change::Files(_) = change {
-            let gone = plan
-                .as_ref()
-                .err()
-                .map(|findings| unknown(&scene, findings));
-            if let Some(gone) = gone.filter(|gone| !gone.is_empty()) {
-                let mut kept = scene.overrides.clone();
-                kept.params.retain(|set| !gone.contains(set));
-                scene = scene.with_overrides(&kept, progress)?;
-                plan = scene.plan(&shaders, &limits, size, with_layers);
-                report.set_aside = gone.into_iter().map(|set| set.typed).collect();
-            }
+        let gone = plan.as_ref().err().map(|findings| {
+            let gone = unknown(&scene, findings).into_iter();
+            // What is set by this very change has to be there.
+            gone.filter(|gone| sets.iter().all(|set| !set.sets_the_same(gone)))
+                .collect::<Vec<_>>()
+        });
+        if let Some(gone) = gone.filter(|gone| !gone.is_empty()) {
+            let mut kept = scene.overrides.clone();
+            kept.params.retain(|set| !gone.contains(set));
+            scene = scene.with_overrides(&kept, progress)?;
+            plan = scene.plan(&shaders, &limits, size, with_layers);
+            let was_in_use = |set: &ParamOverride| old.scene.overrides.params.contains(set);
+            let newly = gone.into_iter().filter(was_in_use);
+            report.set_aside = newly.map(|set| set.typed).collect();
         }
-        self.dependencies = Dependencies::of(&scene, &snapshot);
+        if let Change::Files(_) = change {
+            self.dependencies = Dependencies::of(&scene, &snapshot);
+        }
         let times = shaders.take_times();
         report.stages.link_ms = ms(times.link);
         report.stages.validate_ms = ms(times.validate);
         report.stages.plan_ms = clock.lap() - ms(times.link) - ms(times.validate);
         let plan = Arc::new(plan?);
 
+        report.warnings = new_warnings(&old.scene, &scene);
         if let Change::Files(changed) = change {
             report.changed = roles(changed, &old.scene, &scene);
-            if is_same(old, &scene, &plan) {
+            if old.is_proven && report.warnings.is_empty() && is_same(old, &scene, &plan) {
                 // Equal, but newer: what was looked at counts for what is looked at again.
+                scene.share_sources(&old.scene);
                 self.state.scene = scene;
                 self.state.snapshot = snapshot;
                 self.state.shaders = shaders;
@@ -174,42 +250,52 @@ impl Session {
             }
         }
         params(old.installation.plan(), &plan, report);
-        report.warnings = new_warnings(&old.scene, &scene);
         let stance = match change {
             Change::Camera(camera) => Stance::Fitted(camera.clone()),
             _ => old.stance.clone(),
         };
         let view = stance.view(&plan);
+        Ok(Some(Planned {
+            scene,
+            shaders,
+            snapshot,
+            plan,
+            stance,
+            view,
+            wanted,
+        }))
+    }
+
+    /// Builds what is planned beside what works, draws it and looks at the picture.
+    fn prove(
+        &mut self,
+        planned: &Planned,
+        report: &mut ChangeReport,
+        clock: &mut Clock,
+    ) -> Result<(Installation, Picture), Findings> {
+        let (plan, view) = (Arc::clone(&planned.plan), &planned.view);
         self.runner.take_building();
-        let installation = self
-            .runner
-            .prepare(plan, &view, Some(&self.state.installation));
+        let before = &self.state.installation;
+        let installation = self.runner.prepare(plan, view, Some(before));
         let building = self.runner.take_building();
         report.stages.module_ms = ms(building.module_time);
         report.stages.pipeline_ms = ms(building.pipeline_time);
         report.stages.allocate_ms =
             clock.lap() - ms(building.module_time) - ms(building.pipeline_time);
         report.pipelines_built = building.pipelines;
-        let mut state = State {
-            scene,
-            shaders,
-            snapshot,
-            installation: installation?,
-            stance,
-            view,
-        };
-        report.frame = self.runner.frame(&mut state.installation, &state.view)?;
+        let mut installation = installation?;
+        report.frame = self.runner.frame(&mut installation, view)?;
         report.stages.draw_ms = clock.lap();
         check_hazards(&report.frame)?;
-        let picture = state.picture(&self.runner)?;
-        check_finite(&picture, &state)?;
+        let picture = picture(&self.runner, &installation, &planned.scene, view)?;
+        check_finite(&picture, &planned.plan)?;
         report.stages.read_back_ms = clock.lap();
-        Ok(Some((state, picture, wanted)))
+        Ok((installation, picture))
     }
 
     /// Lets go of pipelines and modules that the current state does not use.
     fn clean_up(&mut self) {
-        self.runner.keep(&self.state.installation);
+        self.runner.keep(&self.state.installation, &self.state.view);
         let used: BTreeSet<[u8; 32]> = self
             .state
             .installation
@@ -271,9 +357,14 @@ fn is_same(old: &State, scene: &Scene, plan: &Plan) -> bool {
         nodes
             .map(|node| {
                 let linked = node.program.as_ref().map(|program| &program.module.linked);
+                // Findings name files, so the same text in another file is another program.
+                let paths = |linked: &Linked| -> Vec<PathBuf> {
+                    let files = linked.files.iter();
+                    files.map(|file| file.path.clone()).collect()
+                };
                 (
                     node.name.clone(),
-                    linked.map(|linked| (linked.digest, linked.slots_used.clone())),
+                    linked.map(|linked| (linked.digest, linked.slots_used.clone(), paths(linked))),
                 )
             })
             .collect()
@@ -349,7 +440,7 @@ pub(super) fn check_hazards(frame: &FrameReport) -> Result<(), Findings> {
 }
 
 /// A colour that is no finite number would go on into everything that is made of the picture.
-pub(super) fn check_finite(picture: &Picture, state: &State) -> Result<(), Findings> {
+pub(super) fn check_finite(picture: &Picture, plan: &Plan) -> Result<(), Findings> {
     let mut bad = picture
         .color
         .iter()
@@ -375,7 +466,6 @@ pub(super) fn check_finite(picture: &Picture, state: &State) -> Result<(), Findi
         ),
     )
     .help("does the shader divide by zero, take the root or the logarithm of a negative number, or normalise a zero vector?");
-    let plan = state.installation.plan();
     let writer: Option<NodeId> = plan.graph.outputs.get("color").map(|link| link.node);
     let place = writer.and_then(|id| {
         let linked = &plan.graph.nodes[id].program.as_ref()?.module.linked;

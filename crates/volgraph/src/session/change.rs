@@ -49,7 +49,8 @@ pub struct Drawn {
 pub struct Refused {
     /// Everything wrong with it.
     pub findings: Findings,
-    /// Whether the last change was refused for exactly these findings, so that they have been told already.
+    /// Whether exactly these findings have been told already: of the change before, or of the last change of files
+    /// where none has been taken since.
     pub is_repeat: bool,
     /// Why the device was lost and made again meanwhile, if it was.
     pub device_remade: Option<String>,
@@ -66,7 +67,7 @@ pub struct ChangeReport {
     pub params_added: Vec<String>,
     /// Parameters that the shaders no longer have: `node.name = value` as it was.
     pub params_dropped: Vec<String>,
-    /// Values that were set for parameters which no shader has now; they are set again when it comes back.
+    /// Values that were set for parameters which no shader has any longer; they are set again when it comes back.
     pub set_aside: Vec<String>,
     /// What the user should know of sources that were read.
     pub warnings: Vec<String>,

@@ -19,8 +19,6 @@ pub struct Teller<'a> {
     args: &'a WatchArgs,
     /// What pictures are compared with: that of `--against`, else the last one.
     compared: Option<Picture>,
-    /// Whether the last thing told is that something is wrong.
-    is_refused: bool,
     /// What was told of the watching last.
     backend: Option<String>,
 }
@@ -44,7 +42,6 @@ impl<'a> Teller<'a> {
         Self {
             args,
             compared,
-            is_refused: false,
             backend: None,
         }
     }
@@ -166,26 +163,51 @@ impl<'a> Teller<'a> {
         self.print_difference(difference.as_ref());
     }
 
-    /// A change that makes no difference.
-    pub fn unchanged(&mut self, paths: &BTreeSet<PathBuf>) {
+    /// A picture that could be saved only now.
+    pub fn saved_later(&mut self, saved: Saved<'_>) {
+        let difference = self.difference(saved.picture);
         if self.args.json {
-            line(&json!({ "event": "unchanged", "changed": shown(paths) }));
-        } else if self.is_refused {
+            line(&json!({
+                "event": "picture",
+                "number": saved.number,
+                "output": self.args.output.display().to_string(),
+                "save_ms": ms(saved.save),
+                "total_ms": ms(saved.total),
+                "difference": difference,
+            }));
+            return;
+        }
+        let output = self.args.output.display();
+        output::print(&format!("#{} {output}, saved at last", saved.number));
+        self.print_difference(difference.as_ref());
+    }
+
+    /// A change that makes no difference; whether it takes back what was refused.
+    pub fn unchanged(&self, paths: &BTreeSet<PathBuf>, is_mended: bool, remade: Option<&str>) {
+        if self.args.json {
+            line(&json!({
+                "event": "unchanged",
+                "changed": shown(paths),
+                "is_mended": is_mended,
+                "device_remade": remade,
+            }));
+            return;
+        }
+        self.remade(remade);
+        if is_mended {
             let output = self.args.output.display();
             output::print(&format!("   mended: {output} is right as it is"));
         }
-        self.is_refused = false;
     }
 
     /// A change that was refused; whether for reasons that were not told before.
     pub fn refused(
-        &mut self,
+        &self,
         findings: &Findings,
         changed: &[PathBuf],
         device_remade: Option<&str>,
         is_new: bool,
     ) {
-        self.is_refused = true;
         if self.args.json {
             line(&json!({
                 "event": "refused",
@@ -209,7 +231,6 @@ impl<'a> Teller<'a> {
 
     /// The picture that the next one is compared with.
     pub fn keep(&mut self, picture: Picture) {
-        self.is_refused = false;
         if self.args.against.is_none() {
             self.compared = Some(picture);
         }
