@@ -9,3 +9,4 @@ mod exhaustion;
 mod hazards;
 mod memory_of_work;
 mod plans;
+mod rebuilds;
