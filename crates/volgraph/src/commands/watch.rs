@@ -137,8 +137,8 @@ impl Watcher<'_> {
             return (Err(findings), dependencies);
         }
         super::tell_warnings(scene, session.scene());
-        let drawn = session.render_checked();
         self.teller.begins(&session);
+        let drawn = session.render_checked();
         self.session = Some(session);
         match drawn {
             Ok((picture, frame)) => {
