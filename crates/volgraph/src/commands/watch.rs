@@ -156,8 +156,8 @@ impl Watcher<'_> {
             return (Err(findings), dependencies);
         }
         super::tell_warnings(scene, session.scene());
-        let drawn = session.render_checked();
         self.teller.begins(&session);
+        let drawn = session.render_checked();
         self.session = Some(session);
         match drawn {
             Ok((picture, frame)) => {
@@ -273,7 +273,9 @@ impl Watcher<'_> {
             return;
         };
         let Unsaved { picture, since, .. } = unsaved;
-        let saved = self.try_to_save(picture, since, |teller, saved| teller.saved_later(saved));
+        let saved = self.try_to_save(picture, since, |teller, saved| {
+            teller.saved_later(saved);
+        });
         if let Err((picture, why)) = saved {
             if why != unsaved.why {
                 self.teller.refused(&why, &[], None, true);

@@ -196,7 +196,7 @@ impl Watch {
             let line = self
                 .lines
                 .recv_timeout(PATIENCE)
-                .unwrap_or_else(|_| panic!("no `{event}` comes: {what}"));
+                .unwrap_or_else(|error| panic!("no `{event}` comes: {error}; {what}"));
             if line["event"] == event {
                 return line;
             }
