@@ -215,8 +215,8 @@ impl Gpu {
         make: impl FnOnce() -> T,
     ) -> Result<T, GpuError> {
         let what = format!("allocating {resource:?}");
-        let is_software = self.summary.class == "software";
-        if is_software && available_bytes().is_some_and(|free| resource.bytes() > free) {
+        let is_doubtful = self.summary.class == "software" && resource.bytes() > DOUBTFUL_BYTES;
+        if is_doubtful && available_bytes().is_some_and(|free| resource.bytes() > free) {
             return Err(GpuError::OutOfMemory {
                 what,
                 bytes: held_bytes,
@@ -241,6 +241,9 @@ impl Gpu {
         }
     }
 }
+
+/// What is smaller is asked for without a look at the machine's memory, which takes time.
+const DOUBTFUL_BYTES: u64 = 64 << 20;
 
 /// Bytes of memory that programs can still have, where the system tells.
 fn available_bytes() -> Option<u64> {

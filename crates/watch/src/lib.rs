@@ -31,7 +31,7 @@ pub use watch::FileWatch;
 /// How patient a [`FileWatch`] is.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WatchOptions {
-    /// How long it must be quiet after an event before files are compared. 4 ms.
+    /// How long it must be quiet after an event before files are compared. 3 ms.
     pub settle: Duration,
     /// In a burst of events, how long after the first one files are compared all the same. 50 ms.
     pub longest_settle: Duration,
@@ -55,7 +55,7 @@ impl WatchOptions {
 impl Default for WatchOptions {
     fn default() -> Self {
         Self {
-            settle: Duration::from_millis(4),
+            settle: Duration::from_millis(3),
             longest_settle: Duration::from_millis(50),
             grace: Duration::from_millis(100),
             poll: None,
