@@ -158,7 +158,12 @@ impl Overrides {
     }
 }
 
-fn unknown<'a>(name: &str, place: &Place, known: impl Iterator<Item = &'a String>) -> Finding {
+/// What to say of a name that the graph does not have.
+pub(crate) fn unknown<'a>(
+    name: &str,
+    place: &Place,
+    known: impl Iterator<Item = &'a String>,
+) -> Finding {
     Finding::error(
         "unknown-node",
         format!("the graph has nothing named `{name}`"),

@@ -1,9 +1,10 @@
 //! Looks at what a case speaks of, without a GPU.
 
 use volgraph_graph::{GraphDesc, is_embedded, read};
-use volgraph_report::{Finding, Findings, Place, did_you_mean};
+use volgraph_report::{Finding, Findings, Place};
 
 use super::{Case, ExpectationKind, GraphName, Set};
+use crate::overrides::unknown;
 use crate::{embedded, scene};
 
 impl Case {
@@ -81,14 +82,7 @@ fn unknown_target(
     let is_known =
         desc.nodes.contains_key(name) || may_be_source && desc.sources.contains_key(name);
     let known = desc.nodes.keys().chain(desc.sources.keys());
-    (!is_known).then(|| {
-        Finding::error(
-            "unknown-node",
-            format!("the graph has nothing named `{name}`"),
-        )
-        .at(place.clone())
-        .help_opt(did_you_mean(name, known.map(String::as_str)))
-    })
+    (!is_known).then(|| unknown(name, place, known))
 }
 
 #[cfg(test)]
