@@ -11,6 +11,12 @@ struct Ray {
     // Texture coordinates of the entry, and their change per world unit along the ray.
     entry: vec3f,
     slope: vec3f,
+    // World normal, towards the eye, of the cut that the ray enters through; zeros where it enters through no cut.
+    cut_normal: vec3f,
+    // What the part of the volume is that the ray runs through, by the `labels`; 0 where there are none.
+    label: u32,
+    // How often the ray has changed its direction.
+    bends: u32,
 }
 
 // The scalar, in data units, at a position in texture coordinates.
@@ -59,6 +65,21 @@ fn ray_through(pixel: vec2f) -> Ray {
 // Texture coordinates at a world distance from the ray's entry. Never accumulated: the error stays one rounding.
 fn ray_position(ray: Ray, distance: f32) -> vec3f {
     return ray.entry + distance * ray.slope;
+}
+
+// The world position at a world distance from the ray's entry.
+fn ray_world(ray: Ray, distance: f32) -> vec3f {
+    return ray.origin + (ray.near + distance) * ray.direction;
+}
+
+// The part of a ray between two world distances from its entry. Distances from the origin stay what they are.
+fn ray_between(ray: Ray, start: f32, end: f32) -> Ray {
+    var part = ray;
+    part.entry = ray_position(ray, start);
+    part.near = ray.near + start;
+    part.far = ray.near + end;
+    part.cut_normal = vec3f(0.0);
+    return part;
 }
 
 // The middle of a segment in texture coordinates.

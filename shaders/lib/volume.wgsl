@@ -18,13 +18,21 @@ struct Volume {
     half_side: f32,
     // World distance from the middle to a corner.
     radius: f32,
+    // Where the world's own origin is: shaders count from the middle of all volumes.
+    world_origin: vec3f,
     // World length of the smallest spacing.
     voxel: f32,
     // scalar = texel * value_scale + value_offset: data units, from the smallest value for data far from 0
     value_scale: f32,
     value_offset: f32,
+    // The data value that is 0 in shaders.
+    value_reference: f32,
     // Largest minus smallest scalar of the data.
     value_range: f32,
+    // What 0 of a normalised scalar stands for, and what 1 is more than that, in the units of scalars: the range of
+    // the stored type; of the data where it is stored in floats.
+    normalised_low: f32,
+    normalised_span: f32,
 }
 
 @group(1) @binding(0) var<uniform> volume: Volume;
@@ -44,6 +52,46 @@ fn volume_clip_ray(given: Ray) -> Ray {
     ray.far = min(min(last.x, last.y), last.z);
     ray.entry = origin + ray.near * ray.slope;
     return ray;
+}
+
+// World normal, towards the eye, of the face of the box that is nearest to a ray's entry.
+fn volume_face_normal(ray: Ray) -> vec3f {
+    let low = abs(ray.entry - volume.box_low) * volume.dims;
+    let high = abs(ray.entry - volume.box_high) * volume.dims;
+    let near = min(low, high);
+    let is_nearest = vec3f(near <= vec3f(min(min(near.x, near.y), near.z)));
+    // Rows of texture_from_world are the normals of the faces.
+    let normal = transpose(volume.texture_from_world) * vec4f(is_nearest * -sign(ray.slope), 0.0);
+    return normalize(normal.xyz);
+}
+
+// Bends a ray at a world distance from its entry into another world direction (unit). It goes on there; its distances
+// go on counting the way that it has come.
+fn volume_bend_ray(ray: ptr<function, Ray>, distance: f32, direction: vec3f) {
+    let at = ray_world(*ray, distance);
+    let near = (*ray).near + distance;
+    var bent = *ray;
+    bent.entry = ray_position(*ray, distance);
+    bent.direction = direction;
+    bent.origin = at - near * direction;
+    bent.near = near;
+    bent.slope = (volume.texture_from_world * vec4f(direction, 0.0)).xyz;
+    let slope = select(bent.slope, vec3f(1.0e-20), abs(bent.slope) < vec3f(1.0e-20));
+    let last = max((volume.box_low - bent.entry) / slope, (volume.box_high - bent.entry) / slope);
+    bent.far = near + max(min(min(last.x, last.y), last.z), 0.0);
+    bent.cut_normal = vec3f(0.0);
+    bent.bends += 1u;
+    *ray = bent;
+}
+
+// World distances shorter than this are rounding errors: a part of a ray so short would be drawn as a face.
+fn volume_least() -> f32 {
+    return 1.0e-4 * volume.voxel;
+}
+
+// A scalar from a normalised one.
+fn volume_from_normalised(normalised: f32) -> f32 {
+    return volume.normalised_low + normalised * volume.normalised_span;
 }
 
 // Trilinear scalar in data units.

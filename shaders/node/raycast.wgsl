@@ -2,10 +2,18 @@
 // The walk is here; what a segment means is the technique's. The same walk runs as a fragment shader over the proxy
 // geometry and as a compute shader over the pixels that it covers.
 #import "lib/volume.wgsl"
+#import "lib/parts.wgsl"
+#import "lib/shown.wgsl"
 #import slot "reconstruct"
 #import slot "traverse"
 #import slot "technique"
 #import slot "behind"
+#import slot "depth_layer"
+#import slot "opacity_layer"
+#import slot "position_layer"
+#import slot "normal_layer"
+#import slot "samples_layer"
+#import slot "label_layer"
 
 // The first pixel of the rectangle that a compute dispatch covers.
 struct Tile {
@@ -13,8 +21,6 @@ struct Tile {
 }
 
 @group(0) @binding(3) var color_out: texture_storage_2d<rgba32float, write>;
-@group(0) @binding(4) var depth_out: texture_storage_2d<r32float, write>;
-@group(0) @binding(5) var opacity_out: texture_storage_2d<r32float, write>;
 @group(0) @binding(6) var<uniform> tile: Tile;
 
 fn raycast_sample(ray: Ray, distance: f32) -> Sample {
@@ -25,46 +31,54 @@ fn raycast_sample(ray: Ray, distance: f32) -> Sample {
 // Whatever a `traverse` slot says, a walk ends. Software drivers end every loop after as many turns.
 const RAYCAST_MAX_SEGMENTS: u32 = 65535u;
 
-fn raycast_pixel(pixel: vec2f) -> RayResult {
+fn raycast_pixel(pixel: vec2f) -> Shown {
     var ray = volume_clip_ray(ray_through(pixel));
-    let length = ray.far - ray.near;
+    var parts = parts_begin(ray);
+    labels_select(0u);
     var state = technique_begin(ray);
-    var front = raycast_sample(ray, 0.0);
-    var start = 0.0;
-    for (var index = 0u; start < length && index < RAYCAST_MAX_SEGMENTS; index++) {
-        let end = traverse_segment_end(ray, index);
-        let back = raycast_sample(ray, end);
-        if technique_segment(&state, &ray, Segment(front, back, start, end - start)) {
+    var samples = 0u;
+    var is_done = false;
+    for (var part = 0u; !is_done && part < RAYCAST_MAX_SEGMENTS; part++) {
+        if !parts_next(&parts, &ray) {
             break;
         }
-        front = back;
-        start = end;
+        labels_select(ray.label);
+        let length = ray.far - ray.near;
+        var front = raycast_sample(ray, 0.0);
+        var start = 0.0;
+        samples++;
+        for (var index = 0u; start < length && index < RAYCAST_MAX_SEGMENTS; index++) {
+            let end = traverse_segment_end(ray, index);
+            let back = raycast_sample(ray, end);
+            samples++;
+            is_done = technique_segment(&state, &ray, Segment(front, back, start, end - start));
+            // A bent ray is another ray: its parts are looked for anew.
+            if is_done || ray.bends != parts.bends {
+                break;
+            }
+            front = back;
+            start = end;
+        }
     }
-    return technique_finish(state, ray);
+    return Shown(technique_finish(state, ray), ray, samples);
 }
 
-fn raycast_write_color(result: RayResult, pixel: vec2i) {
-    textureStore(color_out, pixel, result.color + (1.0 - result.color.w) * behind_color(pixel));
-}
-
-fn raycast_write_layers(result: RayResult, pixel: vec2i) {
-    textureStore(depth_out, pixel, vec4f(result.depth));
-    textureStore(opacity_out, pixel, vec4f(result.color.w));
+fn raycast_write(shown: Shown, pixel: vec2i) {
+    let color = shown.result.color;
+    textureStore(color_out, pixel, color + (1.0 - color.w) * behind_color(pixel));
+    depth_layer(shown, pixel);
+    opacity_layer(shown, pixel);
+    position_layer(shown, pixel);
+    normal_layer(shown, pixel);
+    samples_layer(shown, pixel);
+    label_layer(shown, pixel);
 }
 
 // What lies behind, for every pixel; rays then overwrite those that they start from.
 @compute @workgroup_size(8, 8, 1)
 fn raycast_begin(@builtin(global_invocation_id) id: vec3u) {
     if all(vec2f(id.xy) < lens.size) {
-        raycast_write_color(ray_nothing(), vec2i(id.xy));
-    }
-}
-
-@compute @workgroup_size(8, 8, 1)
-fn raycast_begin_layers(@builtin(global_invocation_id) id: vec3u) {
-    if all(vec2f(id.xy) < lens.size) {
-        raycast_write_color(ray_nothing(), vec2i(id.xy));
-        raycast_write_layers(ray_nothing(), vec2i(id.xy));
+        raycast_write(shown_nothing(), vec2i(id.xy));
     }
 }
 
@@ -80,30 +94,13 @@ fn raycast_vertex(@location(0) world: vec3f) -> @builtin(position) vec4f {
 
 @fragment
 fn raycast_fragment(@builtin(position) position: vec4f) {
-    raycast_write_color(raycast_pixel(position.xy), vec2i(position.xy));
-}
-
-@fragment
-fn raycast_fragment_layers(@builtin(position) position: vec4f) {
-    let result = raycast_pixel(position.xy);
-    raycast_write_color(result, vec2i(position.xy));
-    raycast_write_layers(result, vec2i(position.xy));
+    raycast_write(raycast_pixel(position.xy), vec2i(position.xy));
 }
 
 @compute @workgroup_size(8, 8, 1)
 fn raycast_compute(@builtin(global_invocation_id) id: vec3u) {
     let pixel = id.xy + tile.first;
     if all(vec2f(pixel) < lens.size) {
-        raycast_write_color(raycast_pixel(vec2f(pixel) + 0.5), vec2i(pixel));
-    }
-}
-
-@compute @workgroup_size(8, 8, 1)
-fn raycast_compute_layers(@builtin(global_invocation_id) id: vec3u) {
-    let pixel = id.xy + tile.first;
-    if all(vec2f(pixel) < lens.size) {
-        let result = raycast_pixel(vec2f(pixel) + 0.5);
-        raycast_write_color(result, vec2i(pixel));
-        raycast_write_layers(result, vec2i(pixel));
+        raycast_write(raycast_pixel(vec2f(pixel) + 0.5), vec2i(pixel));
     }
 }

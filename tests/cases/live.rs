@@ -115,7 +115,7 @@ fn technique_begin(ray: Ray) -> TechniqueState {
 }
 
 fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ray>, segment: Segment) -> bool {
-    let light = light_segment(classify_segment(*ray, segment), segment_centre(*ray, segment), *ray);
+    let light = light_segment(classify_segment(*ray, segment), segment, *ray);
     (*state).sum += light * a_of(segment.length);
     return false;
 }

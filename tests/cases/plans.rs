@@ -179,8 +179,8 @@ fn layers_cost_memory_only_where_somebody_wants_them() {
         "\"image.color\", \"depth\": \"image.depth\"",
     );
     let stage = stage.with("graph.ron", wanted);
-    // Depth and opacity, four bytes a pixel each.
-    assert_eq!(bytes(&plan(&stage, &[])) - bytes(&color), 64 * 64 * 8);
+    // Four bytes a pixel.
+    assert_eq!(bytes(&plan(&stage, &[])) - bytes(&color), 64 * 64 * 4);
 }
 
 #[test]

@@ -251,9 +251,11 @@ fn dimension(ty: PortType) -> Option<TextureDim> {
     match ty {
         // A table over one scalar is one row: 1D textures do not work on GL (wgpu 30).
         PortType::Table1d => Some(TextureDim::D2),
-        PortType::Color | PortType::Scalar2d | PortType::Table2d | PortType::ImageTexture => {
-            Some(TextureDim::D2)
-        }
+        PortType::Color
+        | PortType::Scalar2d
+        | PortType::Vector2d
+        | PortType::Table2d
+        | PortType::ImageTexture => Some(TextureDim::D2),
         PortType::VolumeTexture | PortType::GradientTexture => Some(TextureDim::D3),
         PortType::Volume | PortType::Transfer | PortType::Image | PortType::Mesh => None,
     }

@@ -179,6 +179,7 @@ fn is_texture(ty: crate::PortType) -> bool {
         ty,
         P::Color
             | P::Scalar2d
+            | P::Vector2d
             | P::Table1d
             | P::Table2d
             | P::VolumeTexture

@@ -27,6 +27,8 @@ pub enum PortType {
     Color,
     /// A 2D texture of one number per pixel.
     Scalar2d,
+    /// A 2D texture of a vector of world space per pixel; the fourth is 1 where there is one.
+    Vector2d,
     /// A row of colour and extinction over the scalar.
     Table1d,
     /// A 2D texture of segment colour and optical depth.
@@ -49,6 +51,7 @@ impl fmt::Display for PortType {
             Self::Image => "image",
             Self::Color => "color",
             Self::Scalar2d => "scalar_2d",
+            Self::Vector2d => "vector_2d",
             Self::Table1d => "table_1d",
             Self::Table2d => "table_2d",
             Self::VolumeTexture => "volume_texture",

@@ -78,6 +78,7 @@ pub fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     // Gradients are covectors: they map by the inverse transpose.
     let world_from_index_gradient: DMat3 = grid.world_from_index.matrix3.inverse().transpose();
     let span = encoding.range.1 - encoding.range.0;
+    let normalised = normalised_range(volume(node, "volume")?);
     Ok(vec![
         (
             "texture_from_world",
@@ -91,16 +92,39 @@ pub fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
         ("box_low", vec3((low + 0.5) / dims)),
         ("box_high", vec3((high + 0.5) / dims)),
         ("centre", vec3(centre - node.origin())),
+        ("world_origin", vec3(-node.origin())),
         ("half_side", f32_value(0.5 * sides.min_element())),
         ("radius", f32_value(radius)),
         ("voxel", f32_value(grid.min_spacing())),
         ("value_scale", f32_value(encoding.scale)),
         ("value_offset", f32_value(encoding.offset)),
+        ("value_reference", f32_value(encoding.reference)),
         (
             "value_range",
             f32_value(if span > 0.0 { span } else { 1.0 }),
         ),
+        (
+            "normalised_low",
+            f32_value(normalised.0 - encoding.reference),
+        ),
+        ("normalised_span", f32_value(normalised.1 - normalised.0)),
     ])
+}
+
+/// What 0 and 1 of a normalised scalar stand for: the stored type's range, for floats the data's.
+#[must_use]
+pub fn normalised_range(volume: &Volume) -> (f64, f64) {
+    let range = volume
+        .voxels()
+        .scalar_type()
+        .range()
+        .or_else(|| volume.statistics().range())
+        .unwrap_or((0.0, 1.0));
+    if range.1 > range.0 {
+        range
+    } else {
+        (range.0, range.0 + 1.0)
+    }
 }
 
 /// Texture coordinates (0..1 over whole voxels) from world positions.

@@ -110,7 +110,30 @@ const OUTPUTS: &[OutputPort] = &[
         ty: PortType::Scalar2d,
         doc: "Opacity of what the ray met in the volume.",
     },
+    OutputPort {
+        name: "position",
+        ty: PortType::Vector2d,
+        doc: "World position of what the ray shows, counted from the middle of all volumes; the fourth is 1 where there is one.",
+    },
+    OutputPort {
+        name: "normal",
+        ty: PortType::Vector2d,
+        doc: "World normal of what the ray shows, towards the eye; the fourth is 1 where there is one.",
+    },
+    OutputPort {
+        name: "samples",
+        ty: PortType::Scalar2d,
+        doc: "Samples of the volume that the walk along the ray took.",
+    },
+    OutputPort {
+        name: "label",
+        ty: PortType::Scalar2d,
+        doc: "Label of what the ray shows.",
+    },
 ];
+
+/// The outputs beside the colour; each is written by a slot of its own, `<name>_layer`.
+const LAYERS: [&str; 6] = ["depth", "opacity", "position", "normal", "samples", "label"];
 
 const SLOTS: &[SlotSpec] = &[
     SlotSpec {
@@ -152,6 +175,31 @@ const SLOTS: &[SlotSpec] = &[
         name: "light",
         default: "unlit",
         doc: "How is a point lit?",
+    },
+    SlotSpec {
+        name: "material",
+        default: "uniform",
+        doc: "What does a point make of light?",
+    },
+    SlotSpec {
+        name: "shadow",
+        default: "none",
+        doc: "How much of a light reaches a point?",
+    },
+    SlotSpec {
+        name: "environment",
+        default: "none",
+        doc: "What does a surface mirror?",
+    },
+    SlotSpec {
+        name: "clip",
+        default: "none",
+        doc: "Which part of the volume is visible?",
+    },
+    SlotSpec {
+        name: "labels",
+        default: "none",
+        doc: "What is the volume made of?",
     },
 ];
 
@@ -198,25 +246,34 @@ impl NodeKind for Raycast {
     }
 
     fn program(&self, node: &NodeContext<'_>) -> Option<ProgramSpec> {
-        let has_layers = node.is_wanted("depth") || node.is_wanted("opacity");
-        let mut entries = vec![entry("raycast_begin", has_layers)];
+        let mut entries = vec!["raycast_begin"];
         if node.text("stage") != "compute" {
-            entries.extend(["raycast_vertex", entry("raycast_fragment", has_layers)]);
+            entries.extend(["raycast_vertex", "raycast_fragment"]);
         }
         if node.text("stage") != "fragment" {
-            entries.push(entry("raycast_compute", has_layers));
+            entries.push("raycast_compute");
         }
         let behind = if node.is_connected("behind") {
             "texture"
         } else {
             "none"
         };
+        let layers = LAYERS.map(|layer| {
+            let choice = if node.is_wanted(layer) {
+                "written"
+            } else {
+                "none"
+            };
+            (format!("{layer}_layer"), choice.to_owned())
+        });
+        let mut fixed_slots = BTreeMap::from(layers);
+        fixed_slots.extend([
+            ("behind".to_owned(), behind.to_owned()),
+            placement::filter_slot(node),
+        ]);
         Some(ProgramSpec {
             root: "node/raycast.wgsl",
-            fixed_slots: BTreeMap::from([
-                ("behind".to_owned(), behind.to_owned()),
-                placement::filter_slot(node),
-            ]),
+            fixed_slots,
             entries,
         })
     }
@@ -234,20 +291,18 @@ impl NodeKind for Raycast {
     }
 
     fn written(&self, wanted: &BTreeSet<&str>) -> Vec<&'static str> {
-        if wanted.contains("depth") || wanted.contains("opacity") {
-            vec!["color", "depth", "opacity"]
-        } else if wanted.contains("color") {
-            vec!["color"]
-        } else {
-            Vec::new()
-        }
+        // Every entry point writes the colour.
+        OUTPUTS
+            .iter()
+            .map(|port| port.name)
+            .filter(|name| wanted.contains(name) || (*name == "color" && !wanted.is_empty()))
+            .collect()
     }
 
     fn output(&self, port: &str, node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
-        let format = if port == "color" {
-            TextureFormat::Rgba32Float
-        } else {
-            TextureFormat::R32Float
+        let format = match port {
+            "color" | "position" | "normal" => TextureFormat::Rgba32Float,
+            _ => TextureFormat::R32Float,
         };
         check_table_sizes(node)?;
         Ok(ResourceDesc::Texture {
@@ -270,7 +325,6 @@ impl NodeKind for Raycast {
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         check_segments(node)?;
-        let has_layers = node.output_resource("depth").is_some();
         if node.is_connected("behind")
             && node.input_resource("behind") != node.output_resource("color")
         {
@@ -287,18 +341,15 @@ impl NodeKind for Raycast {
             constants: Vec::new(),
         };
         let view = node.view().map_or([0; 2], |view| view.size);
-        let mut passes = vec![compute(entry("raycast_begin", has_layers), view)];
+        let mut passes = vec![compute("raycast_begin", view)];
         match (node.variant(), tile(node)?) {
             (_, None) => {}
             (Some("compute"), Some([_, _, width, height])) => {
-                passes.push(compute(
-                    entry("raycast_compute", has_layers),
-                    [width, height],
-                ));
+                passes.push(compute("raycast_compute", [width, height]));
             }
             _ => passes.push(Pass::Draw {
                 vertex: "raycast_vertex",
-                fragment: entry("raycast_fragment", has_layers),
+                fragment: "raycast_fragment",
                 mesh: Mesh {
                     port: "rays",
                     vertices: proxy_box::VERTICES,
@@ -307,16 +358,6 @@ impl NodeKind for Raycast {
             }),
         }
         Ok(passes)
-    }
-}
-
-/// The entry point, or its twin that writes depth and opacity as well.
-fn entry(name: &'static str, has_layers: bool) -> &'static str {
-    match (name, has_layers) {
-        ("raycast_begin", true) => "raycast_begin_layers",
-        ("raycast_compute", true) => "raycast_compute_layers",
-        ("raycast_fragment", true) => "raycast_fragment_layers",
-        _ => name,
     }
 }
 
@@ -374,7 +415,7 @@ fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     let volume = placement::volume(node, "volume")?;
     let (mut low, mut high) = transfer.range();
     if transfer.domain() == Domain::Normalised {
-        let (from, to) = normalised_range(volume);
+        let (from, to) = placement::normalised_range(volume);
         (low, high) = (from + low * (to - from), from + high * (to - from));
     }
     let voxel = volume.grid().min_spacing();
@@ -413,19 +454,4 @@ fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
             f32_value(preintegration_step * voxel),
         ),
     ])
-}
-
-/// What 0 and 1 of a normalised transfer function stand for: the stored type's range, for floats the data's.
-fn normalised_range(volume: &volgraph_volume::Volume) -> (f64, f64) {
-    let range = volume
-        .voxels()
-        .scalar_type()
-        .range()
-        .or_else(|| volume.statistics().range())
-        .unwrap_or((0.0, 1.0));
-    if range.1 > range.0 {
-        range
-    } else {
-        (range.0, range.0 + 1.0)
-    }
 }

@@ -24,7 +24,7 @@ fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ra
     let before = (*state).transmittance;
     let after = before * classified.transmittance;
     if classified.transmittance < 1.0 {
-        (*state).color += before * light_segment(classified, segment_centre(*ray, segment), *ray);
+        (*state).color += before * light_segment(classified, segment, *ray);
         if before > 0.5 && after <= 0.5 {
             // Inside the segment the extinction is taken as constant.
             let part = log(2.0 * before) / -log(max(classified.transmittance, 1.0e-30));

@@ -159,7 +159,7 @@ fn nodes_lists_ports_parameters_and_choices() {
         "mine/slot/light/flat.wgsl",
         "// How a point is lit: flatly. More of it.\n#import \"lib/classified.wgsl\"\n\
          struct Params {\n    /// How flat. @default 0.5 @range 0 1\n    flatness: f32,\n}\n\
-         fn light_segment(classified: Classified, position: vec3f, ray: Ray) -> vec3f {\n\
+         fn light_segment(classified: Classified, segment: Segment, ray: Ray) -> vec3f {\n\
              return classified.color * params.flatness;\n}\n",
     );
     let json = scratch

@@ -22,7 +22,7 @@ fn shader(
 pub fn shaders() -> Vec<Bad> {
     let light = "s/slot/light/unlit.wgsl";
     let function =
-        "fn light_segment(classified: Classified, position: vec3f, ray: Ray) -> vec3f {\n";
+        "fn light_segment(classified: Classified, segment: Segment, ray: Ray) -> vec3f {\n";
     let with = |body: &str| format!("#import \"lib/classified.wgsl\"\n{function}{body}\n}}\n");
     vec![
         shader(
@@ -39,7 +39,7 @@ pub fn shaders() -> Vec<Bad> {
         ),
         shader(
             "return type",
-            &[(light, &with("    return position.x;"))],
+            &[(light, &with("    return segment.length;"))],
             "wgsl-validation",
             "s/slot/light/unlit.wgsl:3",
         ),

@@ -75,8 +75,8 @@ pub const PLANTED: [Planted; 30] = [
     Planted {
         what: "unknown name",
         file: "shaders/slot/light/phong.wgsl",
-        find: "let to_eye = -ray.direction;",
-        with: "let to_eye = -rya.direction;",
+        find: "normal, -ray.direction, false)",
+        with: "normal, -rya.direction, false)",
         code: "wgsl-type",
         needle: "rya.direction",
         help: Some("did you mean `ray`?"),
@@ -103,10 +103,10 @@ pub const PLANTED: [Planted; 30] = [
     Planted {
         what: "missing import",
         file: "shaders/slot/light/phong.wgsl",
-        find: "#import \"lib/volume.wgsl\"",
-        with: "#import \"lib/volumes.wgsl\"",
+        find: "#import \"lib/phong.wgsl\"",
+        with: "#import \"lib/phongs.wgsl\"",
         code: "missing-import",
-        needle: "#import \"lib/volumes.wgsl\"",
+        needle: "#import \"lib/phongs.wgsl\"",
         ..PLAIN
     },
     Planted {

@@ -1,0 +1,62 @@
+// Lights: up to four, each directional, at a point or at the eye. No light grows weaker with its distance.
+#import "lib/space.wgsl"
+
+struct Params {
+    /// How many of the lights shine. @default 1 @range 0 4
+    lights: u32,
+    /// The first light: a world direction towards it and 0, or its position and 1 (see `space`); all zeros for a light at
+    /// the eye. @default 0 0 0 0
+    light_1: vec4f,
+    /// Its linear colour, as bright as it is. @default 1 1 1 @range 0 100 @color
+    light_1_color: vec3f,
+    /// The second light: a world direction towards it and 0, or its position and 1 (see `space`); all zeros for a light at
+    /// the eye. @default 0 0 0 0
+    light_2: vec4f,
+    /// Its linear colour, as bright as it is. @default 1 1 1 @range 0 100 @color
+    light_2_color: vec3f,
+    /// The third light: a world direction towards it and 0, or its position and 1 (see `space`); all zeros for a light at
+    /// the eye. @default 0 0 0 0
+    light_3: vec4f,
+    /// Its linear colour, as bright as it is. @default 1 1 1 @range 0 100 @color
+    light_3_color: vec3f,
+    /// The fourth light: a world direction towards it and 0, or its position and 1 (see `space`); all zeros for a light at
+    /// the eye. @default 0 0 0 0
+    light_4: vec4f,
+    /// Its linear colour, as bright as it is. @default 1 1 1 @range 0 100 @color
+    light_4_color: vec3f,
+}
+
+// A light as a point sees it.
+struct Light {
+    // Unit world direction towards it, and the world distance to it.
+    direction: vec3f,
+    distance: f32,
+    color: vec3f,
+}
+
+// Stands for the distance to a directional light.
+const LIGHT_FAR: f32 = 3.0e38;
+
+// The light of a number below `params.lights`, as a world position sees it; `to_eye` is the unit direction back.
+fn lights_at(index: u32, world: vec3f, to_eye: vec3f) -> Light {
+    var given = params.light_1;
+    var color = params.light_1_color;
+    if index == 1u {
+        given = params.light_2;
+        color = params.light_2_color;
+    } else if index == 2u {
+        given = params.light_3;
+        color = params.light_3_color;
+    } else if index == 3u {
+        given = params.light_4;
+        color = params.light_4_color;
+    }
+    if given.w == 0.0 {
+        let square = dot(given.xyz, given.xyz);
+        let direction = select(to_eye, given.xyz * inverseSqrt(max(square, 1.0e-30)), square > 0.0);
+        return Light(direction, LIGHT_FAR, color);
+    }
+    let towards = space_point(given.xyz / given.w) - world;
+    let distance = max(length(towards), 1.0e-20);
+    return Light(towards / distance, distance, color);
+}

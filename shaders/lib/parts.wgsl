@@ -1,0 +1,54 @@
+// The parts of a ray that are seen, from front to back: what `clip` leaves of it, cut where the `labels` change. Every
+// walk through the volume goes over them, that of a shadow as well; each part is a ray of its own, whose entry is the
+// part's start. So segments are whole from a cut on, and no technique needs to know of cuts.
+#import "lib/volume.wgsl"
+#import slot "clip"
+#import slot "labels"
+
+struct Parts {
+    // The ray that is left to look at.
+    rest: Ray,
+    // World distance from the origin where the part that `clip` leaves ends.
+    visible_end: f32,
+    // How often the ray had changed its direction.
+    bends: u32,
+}
+
+// Whatever the slots say, a ray has an end of parts.
+const PARTS_MAX: u32 = 4096u;
+
+fn parts_begin(ray: Ray) -> Parts {
+    return Parts(ray, ray.near, ray.bends);
+}
+
+// Moves the ray on to its next part; false where there is none. A ray that has been bent goes on from where it was.
+fn parts_next(parts: ptr<function, Parts>, ray: ptr<function, Ray>) -> bool {
+    if (*ray).bends != (*parts).bends {
+        *parts = parts_begin(*ray);
+    }
+    var rest = (*parts).rest;
+    var cut_normal = rest.cut_normal;
+    if rest.near + volume_least() >= (*parts).visible_end {
+        let visible = clip_next(rest);
+        if visible.y <= visible.x + volume_least() {
+            return false;
+        }
+        if visible.x > volume_least() {
+            cut_normal = clip_normal(rest, visible.x);
+        }
+        (*parts).visible_end = rest.near + visible.y;
+        rest = ray_between(rest, visible.x, rest.far - rest.near);
+    }
+    let visible_length = (*parts).visible_end - rest.near;
+    var stretch = labels_next(rest, visible_length);
+    if stretch.end + volume_least() >= visible_length {
+        stretch = Stretch(visible_length, stretch.label, vec3f(0.0));
+    }
+    *ray = ray_between(rest, 0.0, stretch.end);
+    (*ray).cut_normal = cut_normal;
+    (*ray).label = stretch.label;
+    (*parts).rest = ray_between(rest, stretch.end, rest.far - rest.near);
+    // The next part, if it begins here, begins where the label changes.
+    (*parts).rest.cut_normal = stretch.normal;
+    return true;
+}

@@ -1,0 +1,52 @@
+// Points of surfaces: which way they face.
+#import "lib/surface_point.wgsl"
+#import "lib/volume.wgsl"
+#import slot "gradient"
+
+// The world normal, towards the eye, of the volume's surface at a world distance from the entry of a part of a ray:
+// of the cut or the face of the box where the part starts there, else from the field's gradient.
+fn surface_normal(ray: Ray, distance: f32) -> vec3f {
+    if distance <= volume_least() {
+        return surface_entry_normal(ray);
+    }
+    return surface_gradient_normal(ray, distance);
+}
+
+fn surface_gradient_normal(ray: Ray, distance: f32) -> vec3f {
+    return surface_towards_eye(gradient_at(ray_position(ray, distance)), ray.direction);
+}
+
+// The world normal, towards the eye, inside of the volume at a world distance from the entry of a part of a ray; zeros
+// where the field is flat. Within a voxel behind a cut it turns from the cut's own normal to the field's: the cut is a
+// surface there, whatever the step is.
+fn surface_inner_normal(ray: Ray, distance: f32) -> vec3f {
+    let gradient = gradient_at(ray_position(ray, distance));
+    let magnitude = length(gradient);
+    // A change of one part in 10^4 of the range per voxel is noise of the storage, not a surface.
+    let is_flat = magnitude * volume.voxel < 1.0e-4 * volume.value_range;
+    let signed = select(magnitude, -magnitude, dot(gradient, ray.direction) > 0.0);
+    let facing = gradient / select(signed, 1.0, is_flat);
+    var normal = select(facing, vec3f(0.0), is_flat);
+    if any(ray.cut_normal != vec3f(0.0)) && distance < volume.voxel {
+        let blend = mix(ray.cut_normal, normal, distance / volume.voxel);
+        normal = blend / max(length(blend), 1.0e-6);
+    }
+    return normal;
+}
+
+// The normal of the cut that a part of a ray starts at, or of the face of the box.
+fn surface_entry_normal(ray: Ray) -> vec3f {
+    if any(ray.cut_normal != vec3f(0.0)) {
+        return ray.cut_normal;
+    }
+    return volume_face_normal(ray);
+}
+
+// A unit normal against a direction of sight; where the field is flat, the direction back.
+fn surface_towards_eye(given: vec3f, direction: vec3f) -> vec3f {
+    let magnitude = length(given);
+    if magnitude < 1.0e-20 {
+        return -direction;
+    }
+    return given / select(magnitude, -magnitude, dot(given, direction) > 0.0);
+}

@@ -1,0 +1,8 @@
+// World distance along the ray to what it shows.
+#import "lib/shown.wgsl"
+
+@group(0) @binding(4) var depth_out: texture_storage_2d<r32float, write>;
+
+fn depth_layer(shown: Shown, pixel: vec2i) {
+    textureStore(depth_out, pixel, vec4f(shown.result.depth));
+}
