@@ -27,7 +27,8 @@ struct Volume {
     value_offset: f32,
     // The data value that is 0 in shaders.
     value_reference: f32,
-    // Largest minus smallest scalar of the data.
+    // The smallest scalar of the data, and the largest minus that.
+    value_low: f32,
     value_range: f32,
     // What 0 of a normalised scalar stands for, and what 1 is more than that, in the units of scalars: the range of
     // the stored type; of the data where it is stored in floats.

@@ -3,8 +3,10 @@
 //! All pixels are looked at once for values that are no numbers; then each pixel gives four signed errors, from
 //! which the sums, the worst component and the sorted per-pixel errors come. Sums are float64.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
-use volgraph_picture::Picture;
+use volgraph_picture::{LayerValues, Picture};
 
 use crate::MeasureError;
 use crate::flip::flip_mean;
@@ -70,6 +72,8 @@ pub struct Comparison {
     pub depth: Option<ScalarDifference>,
     /// The opacities, where both pictures have them.
     pub opacity: Option<ScalarDifference>,
+    /// The layers that both pictures have, by name; of vectors all components together.
+    pub layers: BTreeMap<String, ScalarDifference>,
 }
 
 /// How a scalar buffer of the first picture differs from that of the second.
@@ -158,7 +162,36 @@ pub fn compare_without_flip(a: &Picture, b: &Picture) -> Result<Comparison, Meas
             b.opacity.as_deref(),
             |v| !v.is_finite(),
         )?,
+        layers: layers(a, b)?,
     })
+}
+
+/// The layers of one name and form that both have.
+fn layers(a: &Picture, b: &Picture) -> Result<BTreeMap<String, ScalarDifference>, MeasureError> {
+    let mut layers = BTreeMap::new();
+    for layer in &a.layers {
+        let width = a.width as usize;
+        let difference = match (&layer.values, b.layer(&layer.name)) {
+            (LayerValues::Scalar(ours), Some(LayerValues::Scalar(theirs))) => {
+                scalars("layer", width, Some(ours), Some(theirs), f32::is_nan)?
+            }
+            (LayerValues::Vector(ours), Some(LayerValues::Vector(theirs))) => scalars(
+                "layer",
+                4 * width,
+                Some(ours.as_flattened()),
+                Some(theirs.as_flattened()),
+                f32::is_nan,
+            )?,
+            _ => None,
+        };
+        if let Some(mut difference) = difference {
+            if let (LayerValues::Vector(_), Some(worst)) = (&layer.values, &mut difference.max) {
+                worst.x /= 4;
+            }
+            layers.insert(layer.name.clone(), difference);
+        }
+    }
+    Ok(layers)
 }
 
 /// One size, whole buffers, numbers in colour.

@@ -6,6 +6,7 @@
 
 pub mod background;
 pub mod encoding;
+pub mod false_color;
 pub mod gradient;
 pub mod image_texture;
 pub mod placement;
@@ -34,6 +35,7 @@ pub fn registry() -> Registry {
         .add_node(gradient::Gradient)
         .add_node(transfer_table::TransferTable)
         .add_node(preintegration::Preintegration)
-        .add_node(image_texture::ImageTexture);
+        .add_node(image_texture::ImageTexture)
+        .add_node(false_color::FalseColor);
     registry
 }

@@ -100,6 +100,10 @@ pub fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
         ("value_offset", f32_value(encoding.offset)),
         ("value_reference", f32_value(encoding.reference)),
         (
+            "value_low",
+            f32_value(encoding.range.0 - encoding.reference),
+        ),
+        (
             "value_range",
             f32_value(if span > 0.0 { span } else { 1.0 }),
         ),

@@ -167,6 +167,11 @@ const SLOTS: &[SlotSpec] = &[
         doc: "What are colour and opacity of a segment?",
     },
     SlotSpec {
+        name: "tone",
+        default: "window",
+        doc: "What does a projected scalar look like?",
+    },
+    SlotSpec {
         name: "traverse",
         default: "uniform",
         doc: "Where does the next segment end?",

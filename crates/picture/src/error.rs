@@ -50,6 +50,14 @@ pub enum PictureError {
         /// Rows.
         height: u32,
     },
+    /// A layer's name cannot be written.
+    #[error(
+        "the layer name `{name}` is refused: it is 1 to 64 ASCII letters, digits, `-` or `_`, once, and not `depth` or `opacity`"
+    )]
+    Layer {
+        /// The name.
+        name: String,
+    },
     /// A metadata key cannot be written.
     #[error("the metadata key `{key}` is refused: {cause}")]
     Metadata {

@@ -1,6 +1,6 @@
 //! EXR: all channels as they are, in one layer, so that common viewers open it.
 //!
-//! Out: `R`, `G`, `B`, `A` and, where the picture has them, `Z` and `opacity.Y`, all f32, in scan lines packed
+//! Out: `R`, `G`, `B`, `A` and, where the picture has them, `Z`, `opacity.Y` and its layers' channels, all f32, in scan lines packed
 //! with ZIP, which loses nothing. In: the first flat layer; f16 and f32 channels.
 
 use std::io::{BufRead, Cursor, Seek};
@@ -12,10 +12,12 @@ use exr::meta::header::{Header, LayerAttributes};
 use exr::prelude::{Compression, ReadChannels as _, ReadLayers as _, SmallVec, WritableImage as _};
 
 use crate::files::check_ratio;
-use crate::{KEY_PREFIX, Picture, SaveReport, check_size};
+use crate::{KEY_PREFIX, Layer as PictureLayer, LayerValues, Picture, SaveReport, check_size};
 
 const DEPTH: &str = "Z";
 const OPACITY: &str = "opacity.Y";
+/// Suffixes of a vector layer's channels.
+const VECTOR: [&str; 4] = ["X", "Y", "Z", "A"];
 
 type FlatImage = Image<Layer<AnyChannels<FlatSamples>>>;
 
@@ -38,6 +40,19 @@ pub(crate) fn encode(picture: &Picture) -> Result<(Vec<u8>, SaveReport), String>
             .iter()
             .map(|opacity| channel(OPACITY, opacity.clone())),
     );
+
+    for layer in &picture.layers {
+        let named = |suffix: &str| format!("{}.{suffix}", layer.name);
+        match &layer.values {
+            LayerValues::Scalar(values) => channels.push(channel(&named("Y"), values.clone())),
+            LayerValues::Vector(values) => {
+                for (i, suffix) in VECTOR.iter().enumerate() {
+                    let values = values.iter().map(|value| value[i]).collect();
+                    channels.push(channel(&named(suffix), values));
+                }
+            }
+        }
+    }
 
     let mut attributes = LayerAttributes {
         software_name: Some(Text::from("volgraph")),
@@ -175,13 +190,41 @@ fn picture_of(image: FlatImage) -> Result<Picture, String> {
             Some((key, String::from_utf8_lossy(value.as_slice()).into_owned()))
         })
         .collect();
+    let (depth, opacity) = (take(DEPTH)?, take(OPACITY)?);
+    // Whole layers as they are written here; other channels of other software are left alone.
+    let mut layers = Vec::new();
+    for name in names.iter().filter_map(|name| name.strip_suffix(".Y")) {
+        let is_vector = VECTOR
+            .iter()
+            .all(|suffix| names.contains(&format!("{name}.{suffix}")));
+        let is_plain = |b: u8| b.is_ascii_alphanumeric() || b"-_".contains(&b);
+        if name == "opacity" || name.is_empty() || name.len() > 64 || !name.bytes().all(is_plain) {
+            continue;
+        }
+        let mut channels = Vec::new();
+        for suffix in if is_vector { &VECTOR[..] } else { &["Y"] } {
+            channels.extend(take(&format!("{name}.{suffix}"))?);
+        }
+        let values = match channels.as_slice() {
+            [x, y, z, a] => {
+                LayerValues::Vector((0..pixels).map(|i| [x[i], y[i], z[i], a[i]]).collect())
+            }
+            [y] => LayerValues::Scalar(y.clone()),
+            _ => continue,
+        };
+        layers.push(PictureLayer {
+            name: name.to_owned(),
+            values,
+        });
+    }
     let side = |length: usize| u32::try_from(length).map_err(|_| "it is too large".to_owned());
     Ok(Picture {
         width: side(size.width())?,
         height: side(size.height())?,
         color,
-        depth: take(DEPTH)?,
-        opacity: take(OPACITY)?,
+        depth,
+        opacity,
+        layers,
         metadata,
     })
 }

@@ -9,6 +9,7 @@
 //! | --- | --- | --- |
 //! | colour | sRGB, not premultiplied; without alpha where all is opaque | linear, premultiplied, f32 |
 //! | depth, opacity | not kept | channels `Z` and `opacity.Y` |
+//! | other layers | not kept | channels `NAME.Y`, or `NAME.X`, `NAME.Y`, `NAME.Z` and `NAME.A` |
 //! | metadata | `iTXt` chunks `volgraph:KEY` | text attributes `volgraph:KEY` |
 
 mod error;
@@ -45,9 +46,46 @@ pub struct Picture {
     pub depth: Option<Vec<f32>>,
     /// Opacity in f32, beside what alpha the colour carries (over a background that alpha is 1).
     pub opacity: Option<Vec<f32>>,
+    /// What else is known of each pixel, each name once.
+    pub layers: Vec<Layer>,
     /// Keys and values, kept in both formats. A key is 1 to 64 ASCII letters, digits, `-`, `_`, `.` or `:`, each
     /// key once; a value is any text. Loading sorts them by key.
     pub metadata: Vec<(String, String)>,
+}
+
+/// One number, or one vector, for each pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// 1 to 64 ASCII letters, digits, `-` or `_`; not `depth` or `opacity`, nor the name of a colour's channel.
+    pub name: String,
+    /// The numbers.
+    pub values: LayerValues,
+}
+
+/// The numbers of a layer, `width × height`, row by row, top row first.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LayerValues {
+    /// One number for each pixel.
+    Scalar(Vec<f32>),
+    /// Three numbers for each pixel, and a fourth that is 1 where there is a vector, else 0.
+    Vector(Vec<[f32; 4]>),
+}
+
+impl LayerValues {
+    /// The pixels that there are values for.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Scalar(values) => values.len(),
+            Self::Vector(values) => values.len(),
+        }
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
 }
 
 /// Bits of each PNG component.
@@ -121,6 +159,13 @@ impl Picture {
         Ok(picture)
     }
 
+    /// The layer of a name.
+    #[must_use]
+    pub fn layer(&self, name: &str) -> Option<&LayerValues> {
+        let layer = self.layers.iter().find(|layer| layer.name == name)?;
+        Some(&layer.values)
+    }
+
     /// The colour at column `x` and row `y` (from the top); `None` outside.
     #[must_use]
     pub fn pixel(&self, x: u32, y: u32) -> Option<[f32; 4]> {
@@ -144,6 +189,23 @@ impl Picture {
                 return Err(PictureError::Shape {
                     buffer,
                     len,
+                    width: self.width,
+                    height: self.height,
+                });
+            }
+        }
+        for (i, layer) in self.layers.iter().enumerate() {
+            let name = &layer.name;
+            let is_plain = |b: u8| b.is_ascii_alphanumeric() || b"-_".contains(&b);
+            let is_taken = ["depth", "opacity"].contains(&name.as_str())
+                || self.layers[..i].iter().any(|other| other.name == *name);
+            if is_taken || name.is_empty() || name.len() > 64 || !name.bytes().all(is_plain) {
+                return Err(PictureError::Layer { name: name.clone() });
+            }
+            if layer.values.len() != pixels {
+                return Err(PictureError::Shape {
+                    buffer: "layer",
+                    len: layer.values.len(),
                     width: self.width,
                     height: self.height,
                 });

@@ -8,7 +8,7 @@ use clap::{Args as ClapArgs, Parser, Subcommand};
 use volgraph::{AdapterChoice, CameraDesc, Overrides, ParamOverride, ShaderFolders};
 use volgraph_volume::ScalarType;
 
-pub use authors::{GraphsArgs, NewArgs, NewSlot, TestArgs};
+pub use authors::{GalleryArgs, GraphsArgs, NewArgs, NewSlot, TestArgs};
 
 /// Draws volumes with WGSL shaders that plug into a render graph, and says how wrong each picture is.
 #[derive(Parser, Debug)]
@@ -48,6 +48,10 @@ pub enum Command {
     Nodes(NodesArgs),
     /// List the ready graphs, print one, or copy one into a folder to start from.
     Graphs(GraphsArgs),
+    /// Render every ready graph, and a page (index.html) that shows the pictures with graphs, times and adapter.
+    ///
+    /// A graph whose volume is not found is left out and named. Exit code 1 means that a graph could not be rendered.
+    Gallery(GalleryArgs),
     /// List the adapters, the best first.
     Adapters(AdaptersArgs),
     /// Time the frames of a graph while the camera turns.
@@ -60,7 +64,7 @@ pub enum Command {
 }
 
 /// Where shaders are looked for.
-#[derive(ClapArgs, Debug)]
+#[derive(ClapArgs, Clone, Debug)]
 pub struct ShaderArgs {
     /// A folder of your own shaders, searched first; may be given again.
     #[arg(
@@ -82,7 +86,7 @@ impl ShaderArgs {
 }
 
 /// Where volumes are looked for.
-#[derive(ClapArgs, Debug)]
+#[derive(ClapArgs, Clone, Debug)]
 pub struct DataArgs {
     /// A folder of volumes, for files that do not lie beside the graph; may be given again.
     #[arg(
@@ -105,8 +109,9 @@ pub struct SceneArgs {
     /// Set a parameter, a slot or a source's field; may be given again.
     #[arg(long, value_name = "NODE.PARAM=VALUE | NODE.slots.SLOT=CHOICE", value_parser = ParamOverride::parse)]
     pub set: Vec<ParamOverride>,
-    /// Draw another volume file for a source of the graph; may be given again.
-    #[arg(long, value_name = "NAME=FILE", value_parser = parse_volume)]
+    /// Draw another volume file for a source of the graph; may be given again. The name may be left out where the graph has
+    /// one volume, or one that is named `volume`.
+    #[arg(long, value_name = "[NAME=]FILE", value_parser = parse_volume)]
     pub volume: Vec<(String, PathBuf)>,
     /// The camera, as a graph writes it: orbit(azimuth: 40, elevation: 25) or look_at(eye: (1, 2, 3)).
     #[arg(long, value_name = "CAMERA", value_parser = parse_camera)]
@@ -153,7 +158,7 @@ pub struct RenderArgs {
     /// The graph and its changes.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// The picture: .png, or .exr with depth and opacity.
+    /// The picture: .png, or .exr with depth, opacity and the graph's other outputs as layers.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Bits of each PNG component: 8 or 16.
@@ -319,7 +324,7 @@ pub struct WatchArgs {
     /// The graph and its changes.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// The picture: .png, or .exr with depth and opacity. It is replaced as a whole, never half written.
+    /// The picture: .png, or .exr with depth, opacity and the graph's other outputs as layers. It is replaced as a whole, never half written.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Bits of each PNG component: 8 or 16.
@@ -393,11 +398,17 @@ fn parse_slot(text: &str) -> Result<(String, String), String> {
     }
 }
 
+/// A name and a file; the name is empty where there is none. Whatever stands before a `=` is a name, if no file can be
+/// meant by it.
 fn parse_volume(text: &str) -> Result<(String, PathBuf), String> {
-    match text.split_once('=') {
+    let named = text
+        .split_once('=')
+        .filter(|(name, _)| !name.contains(['/', '\\', '.']));
+    match named {
         Some((name, file)) if !name.is_empty() && !file.is_empty() => {
             Ok((name.to_owned(), PathBuf::from(file)))
         }
+        None if !text.is_empty() => Ok((String::new(), PathBuf::from(text))),
         _ => Err("write it as NAME=FILE, with the name of a source of the graph".to_owned()),
     }
 }

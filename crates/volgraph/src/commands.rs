@@ -5,6 +5,7 @@ mod bench;
 mod check;
 mod compare;
 mod errors;
+mod gallery;
 mod graphs;
 mod info;
 mod link;
@@ -41,6 +42,7 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::New(args) => new::run(&args),
         Command::Test(args) => test::run(&args),
         Command::Graphs(args) => graphs::run(&args),
+        Command::Gallery(args) => gallery::run(&args),
         Command::Adapters(args) => adapters::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Watch(args) => watch::run(&args),

@@ -19,8 +19,11 @@ use crate::shaders::EMBEDDED_SHADERS;
 /// volgraph's ready graphs, their transfer functions and images as they were when it was built.
 pub static EMBEDDED_GRAPHS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../../graphs");
 
+/// The folders of the ready graphs: those that need no file from outside, and those that draw scanned volumes.
+const FOLDERS: [&str; 2] = ["graphs", "graphs/scans"];
+
 /// The file that a user means by a graph's name: `quickstart` and `quickstart.ron` stand for `graphs/quickstart.ron` as
-/// well. Each of these is looked for on the disk first, then among the ready graphs. What is nowhere stays as it is.
+/// well, and `engine` for `graphs/scans/engine.ron`. Each of these is looked for on the disk first, then among the ready graphs. What is nowhere stays as it is.
 #[must_use]
 pub fn locate(name: &Path) -> PathBuf {
     if is_embedded(name) {
@@ -31,7 +34,11 @@ pub fn locate(name: &Path) -> PathBuf {
     let embedded = || {
         candidates
             .iter()
-            .filter(|path| path.parent() == Some(Path::new("graphs")))
+            .filter(|path| {
+                FOLDERS
+                    .iter()
+                    .any(|folder| path.parent() == Some(Path::new(folder)))
+            })
             .map(|path| Path::new("embedded:").join(path))
             .find(|path| text(path).is_some())
     };
@@ -40,7 +47,7 @@ pub fn locate(name: &Path) -> PathBuf {
         .unwrap_or_else(|| name.to_path_buf())
 }
 
-/// A path, the same with the extension, and for a bare name both in `graphs`.
+/// A path, the same with the extension, and for a bare name both in the folders of ready graphs.
 fn candidates(name: &Path) -> Vec<PathBuf> {
     let mut candidates = vec![name.to_path_buf()];
     if name.extension().is_none() {
@@ -48,11 +55,12 @@ fn candidates(name: &Path) -> Vec<PathBuf> {
     }
     let parts: Vec<Component<'_>> = name.components().collect();
     if matches!(parts.as_slice(), [Component::Normal(_)]) {
-        let in_graphs: Vec<PathBuf> = candidates
-            .iter()
-            .map(|path| Path::new("graphs").join(path))
-            .collect();
-        candidates.extend(in_graphs);
+        let named = candidates.clone();
+        candidates.extend(
+            FOLDERS
+                .iter()
+                .flat_map(|folder| named.iter().map(|path| Path::new(folder).join(path))),
+        );
     }
     candidates
 }
@@ -119,10 +127,12 @@ impl ReadyGraph {
     pub fn files(&self) -> Vec<(PathBuf, &'static [u8])> {
         let mut paths = vec![format!("{}.ron", self.name)];
         paths.extend(self.desc.sources.values().filter_map(path_of));
+        let below = self.path.strip_prefix(ROOT).unwrap_or(&self.path);
+        let folder = below.parent().unwrap_or(Path::new(""));
         paths
             .into_iter()
             .filter_map(|path| {
-                let content = EMBEDDED_GRAPHS.get_file(&path)?.contents();
+                let content = EMBEDDED_GRAPHS.get_file(folder.join(&path))?.contents();
                 Some((PathBuf::from(path), content))
             })
             .collect()
@@ -139,8 +149,10 @@ fn path_of(source: &SourceDesc) -> Option<String> {
 /// The ready graphs, by name.
 #[must_use]
 pub fn ready_graphs() -> Vec<ReadyGraph> {
+    let scans = EMBEDDED_GRAPHS.get_dir("scans");
     let mut graphs: Vec<ReadyGraph> = EMBEDDED_GRAPHS
         .files()
+        .chain(scans.into_iter().flat_map(Dir::files))
         .filter_map(|file| {
             let name = file.path().file_name()?.to_str()?.strip_suffix(".ron")?;
             let path = Path::new(ROOT).join(file.path());
@@ -204,8 +216,16 @@ mod tests {
     #[test]
     fn every_ready_graph_has_its_transfer_functions_and_images() {
         let graphs = ready_graphs();
-        let files = EMBEDDED_GRAPHS.files().count();
+        let scans = EMBEDDED_GRAPHS.get_dir("scans").unwrap().files();
+        let files = EMBEDDED_GRAPHS.files().count() + scans.count();
         assert_eq!(graphs.len(), files, "a graph in the folder cannot be read");
+        let mut names: Vec<&str> = graphs.iter().map(|graph| graph.name.as_str()).collect();
+        names.dedup();
+        assert_eq!(
+            names.len(),
+            graphs.len(),
+            "two graphs have one name: {names:?}"
+        );
         for graph in &graphs {
             assert_eq!(text(&graph.path), Some(graph.text));
             let with_path = graph.desc.sources.values().filter_map(path_of).count();

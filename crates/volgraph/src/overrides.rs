@@ -12,7 +12,7 @@ use volgraph_shader::ParamValue;
 pub struct Overrides {
     /// `--set node.param=value`, in their order.
     pub params: Vec<ParamOverride>,
-    /// `--volume name=FILE`: (source name, file).
+    /// `--volume name=FILE`: (source name, file). Without a name it is the graph's only volume, or the one named `volume`.
     #[serde(serialize_with = "shown_volumes")]
     pub volumes: Vec<(String, PathBuf)>,
     /// `--camera …`.
@@ -114,9 +114,17 @@ impl Overrides {
     pub fn apply(&self, desc: &mut GraphDesc) -> Result<(), Findings> {
         let mut findings = Findings::new();
         for (name, file) in &self.volumes {
-            let place = Place::whole_file(format!("--volume {name}={}", file.display()));
-            let Some(source) = desc.sources.get_mut(name) else {
-                findings.push(unknown(name, &place, desc.sources.keys()));
+            let typed = if name.is_empty() {
+                file.display().to_string()
+            } else {
+                format!("{name}={}", file.display())
+            };
+            let place = Place::whole_file(format!("--volume {typed}"));
+            let Some(name) = findings.take(volume_source(desc, name, &place)) else {
+                continue;
+            };
+            let Some(source) = desc.sources.get_mut(&name) else {
+                findings.push(unknown(&name, &place, desc.sources.keys()));
                 continue;
             };
             // Paths of the command line start at the current folder, those of the file at the file's.
@@ -155,6 +163,35 @@ impl Overrides {
             desc.camera = Some(camera.clone());
         }
         findings.into_result(())
+    }
+}
+
+/// The name of the source that `--volume` means.
+fn volume_source(desc: &GraphDesc, name: &str, place: &Place) -> Result<String, Finding> {
+    if !name.is_empty() {
+        return Ok(name.to_owned());
+    }
+    let volumes: Vec<&String> = desc
+        .sources
+        .iter()
+        .filter(|(_, source)| ["volume", "analytic"].contains(&source.kind.as_str()))
+        .map(|(name, _)| name)
+        .collect();
+    match volumes.as_slice() {
+        [only] => Ok((*only).clone()),
+        _ if volumes.iter().any(|name| *name == "volume") => Ok("volume".to_owned()),
+        _ => {
+            let names = volgraph_report::list_names(volumes.iter().map(|name| name.as_str()));
+            Err(Finding::error(
+                "ambiguous-volume",
+                format!(
+                    "the graph has {} volumes, and none is named `volume`",
+                    volumes.len()
+                ),
+            )
+            .at(place.clone())
+            .help(format!("write `--volume NAME=FILE` with one of: {names}")))
+        }
     }
 }
 

@@ -16,7 +16,7 @@ use volgraph_gpu::{AdapterChoice, AdapterSummary, FrameReport, Gpu, Installation
 use volgraph_graph::demand::ShaderLibrary;
 use volgraph_graph::{Camera, CameraDesc, Limits, Plan, Registry, View};
 use volgraph_nodes::raycast::NO_DEPTH;
-use volgraph_picture::Picture;
+use volgraph_picture::{Layer, LayerValues, Picture};
 use volgraph_report::{Finding, Findings};
 use volgraph_shader::{DiskFiles, SnapshotFiles};
 
@@ -39,7 +39,7 @@ pub struct SessionOptions {
     pub overrides: Overrides,
     /// Where shaders are.
     pub shader_folders: ShaderFolders,
-    /// Whether pictures carry depth and opacity.
+    /// Whether pictures carry depth and opacity, and the graph's other outputs as layers.
     pub with_layers: bool,
     /// Most bytes of one texture or buffer; [`Limits::max_resource_bytes`] by default. More is refused before it is
     /// allocated. For devices with large memories.
@@ -327,16 +327,19 @@ impl Session {
         Ok(report)
     }
 
-    /// Draws the frame and reads the output `color` back, with depth and opacity where the session has them.
+    /// Draws the frame and reads the output `color` back, with depth, opacity and layers where the session has them.
     ///
     /// # Errors
     /// As [`Self::draw`].
     pub fn render(&mut self) -> Result<(Picture, FrameReport), Findings> {
         let report = self.draw()?;
-        match self.state.picture(&self.runner) {
+        match self.state.picture(&self.runner, self.options.with_layers) {
             Err(_) if self.runner.gpu().lost().is_some() => {
                 let report = self.draw()?;
-                Ok((self.state.picture(&self.runner)?, report))
+                Ok((
+                    self.state.picture(&self.runner, self.options.with_layers)?,
+                    report,
+                ))
             }
             picture => Ok((picture?, report)),
         }
@@ -417,8 +420,14 @@ impl Session {
 
 impl State {
     /// The picture of the last frame.
-    fn picture(&self, runner: &Runner) -> Result<Picture, Findings> {
-        picture(runner, &self.installation, &self.scene, &self.view)
+    fn picture(&self, runner: &Runner, has_layers: bool) -> Result<Picture, Findings> {
+        picture(
+            runner,
+            &self.installation,
+            &self.scene,
+            &self.view,
+            has_layers,
+        )
     }
 }
 
@@ -428,6 +437,7 @@ fn picture(
     installation: &Installation,
     scene: &Scene,
     view: &View,
+    has_layers: bool,
 ) -> Result<Picture, Findings> {
     let plan = installation.plan();
     let mut picture = read(runner, installation, "color")?;
@@ -445,8 +455,52 @@ fn picture(
             *depth = f32::INFINITY;
         }
     }
+    if has_layers {
+        picture.layers = layers(runner, installation, &picture)?;
+    }
     picture.metadata = metadata::of(scene, plan, view, runner.gpu().adapter());
     Ok(picture)
+}
+
+/// The graph's other outputs that have a number or a vector for each pixel, by their names. Positions count from the
+/// world's own origin in pictures, not from the scene's.
+fn layers(
+    runner: &Runner,
+    installation: &Installation,
+    picture: &Picture,
+) -> Result<Vec<Layer>, Findings> {
+    let plan = installation.plan();
+    let origin = plan.graph.origin();
+    let mut layers = Vec::new();
+    for (name, link) in &plan.graph.outputs {
+        if ["color", "depth", "opacity"].contains(&name.as_str()) {
+            continue;
+        }
+        let texels = runner.read(installation, name)?;
+        if texels.extent != [picture.width, picture.height, 1] {
+            continue;
+        }
+        let is_position = link.port == "position";
+        let numbers = texels.to_f32();
+        let values = if numbers.len() == picture.color.len() {
+            LayerValues::Scalar(numbers)
+        } else {
+            let pixels = numbers.chunks_exact(4).map(|p| {
+                let shift = if is_position && p[3] > 0.0 {
+                    origin.as_vec3().to_array()
+                } else {
+                    [0.0; 3]
+                };
+                [p[0] + shift[0], p[1] + shift[1], p[2] + shift[2], p[3]]
+            });
+            LayerValues::Vector(pixels.collect())
+        };
+        layers.push(Layer {
+            name: name.clone(),
+            values,
+        });
+    }
+    Ok(layers)
 }
 
 /// Any 2D colour output of an installation's last frame.

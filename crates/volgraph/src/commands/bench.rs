@@ -4,9 +4,9 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::DQuat;
+use glam::{DQuat, DVec3};
 use serde_json::json;
-use volgraph::Session;
+use volgraph::{Camera, Session};
 use volgraph_gpu::Gpu;
 use volgraph_measure::timing::Summary;
 
@@ -25,13 +25,7 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
     let mut gpu_ms: Vec<f64> = Vec::new();
     let mut last = None;
     for frame in 0..args.warm_up + args.frames {
-        let turn =
-            DQuat::from_axis_angle(first.camera.up, (f64::from(frame) * args.turn).to_radians());
-        let mut camera = first.camera;
-        camera.eye = target + turn * (first.camera.eye - target);
-        camera.right = turn * camera.right;
-        camera.forward = turn * camera.forward;
-        session.place_camera(camera);
+        session.place_camera(turned(&first.camera, target, f64::from(frame) * args.turn));
         let start = Instant::now();
         let report = session.draw()?;
         if !args.no_read_back {
@@ -77,10 +71,20 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
+/// A camera that has gone so many degrees around a target, about its own up direction.
+pub(super) fn turned(camera: &Camera, target: DVec3, degrees: f64) -> Camera {
+    let turn = DQuat::from_axis_angle(camera.up, degrees.to_radians());
+    let mut turned = *camera;
+    turned.eye = target + turn * (camera.eye - target);
+    turned.right = turn * camera.right;
+    turned.forward = turn * camera.forward;
+    turned
+}
+
 /// The middle of everything drawn, around which the camera turns.
-fn middle(session: &Session) -> glam::DVec3 {
+pub(super) fn middle(session: &Session) -> DVec3 {
     let corners = session.plan().corners();
-    let sum: glam::DVec3 = corners.iter().sum();
+    let sum: DVec3 = corners.iter().sum();
     if corners.is_empty() {
         sum
     } else {

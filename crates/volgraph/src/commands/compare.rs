@@ -74,6 +74,7 @@ fn text(comparison: &Comparison) -> String {
         flip,
         depth,
         opacity,
+        layers,
     } = comparison;
     let mut text = format!(
         "rmse          {rmse:.6e}  ({:.3}/255)\n\
@@ -98,7 +99,11 @@ fn text(comparison: &Comparison) -> String {
         Some(flip) => writeln!(text, "flip          {flip:.6}"),
         None => writeln!(text, "flip          not taken: the picture is too large"),
     };
-    for (name, layer) in [("depth", depth), ("opacity", opacity)] {
+    let own = [("depth", depth.as_ref()), ("opacity", opacity.as_ref())];
+    let named = layers
+        .iter()
+        .map(|(name, layer)| (name.as_str(), Some(layer)));
+    for (name, layer) in own.into_iter().chain(named) {
         if let Some(ScalarDifference {
             compared,
             one_sided,

@@ -25,7 +25,7 @@ pub fn of_picture(error: &PictureError, file: &Path) -> Finding {
             "name a picture; its content counts, not its name",
         ),
         PictureError::Size { .. } => ("picture-size", error.to_string(), "use another size"),
-        PictureError::Shape { .. } | PictureError::Metadata { .. } => {
+        PictureError::Shape { .. } | PictureError::Layer { .. } | PictureError::Metadata { .. } => {
             ("picture", error.to_string(), "please report this as a bug")
         }
         PictureError::Encode { cause, .. } => (

@@ -287,7 +287,13 @@ impl Session {
         report.frame = self.runner.frame(&mut installation, view)?;
         report.stages.draw_ms = clock.lap();
         check_hazards(&report.frame)?;
-        let picture = picture(&self.runner, &installation, &planned.scene, view)?;
+        let picture = picture(
+            &self.runner,
+            &installation,
+            &planned.scene,
+            view,
+            self.options.with_layers,
+        )?;
         check_finite(&picture, &planned.plan)?;
         report.stages.read_back_ms = clock.lap();
         Ok((installation, picture))

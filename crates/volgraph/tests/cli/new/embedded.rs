@@ -33,7 +33,7 @@ fn ready_graphs_are_drawn_by_name_without_a_file() {
     let run = scratch.run(&["plan", "engine"]);
     run.refused(&["data-missing"]);
     for part in [
-        "embedded:/graphs/engine.ron:5:",
+        "embedded:/graphs/scans/engine.ron:5:",
         "\"engine\": volume(path: ",
         "file engine_256x256x128_uint8.raw.gz",
     ] {

@@ -1,0 +1,93 @@
+//! `false_color`: a layer of numbers, such as the samples of each ray, in the colours of a transfer function.
+
+use volgraph_graph::{
+    Demand, InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec, Requirement,
+    ResourceDesc, Size,
+};
+use volgraph_report::Finding;
+use volgraph_shader::ParamSpec;
+use wgpu_types::TextureFormat;
+
+use crate::transfer_table;
+
+/// The node kind `false_color`.
+pub struct FalseColor;
+
+const INPUTS: &[InputPort] = &[
+    InputPort {
+        name: "layer",
+        ty: PortType::Scalar2d,
+        requirement: Requirement::Required,
+        doc: "The numbers, one for each pixel.",
+    },
+    InputPort {
+        name: "transfer",
+        ty: PortType::Transfer,
+        requirement: Requirement::Required,
+        doc: "The transfer function whose colours are shown, from its first to its last; its opacities do not count.",
+    },
+    InputPort {
+        name: "transfer_table",
+        ty: PortType::Table1d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "transfer_table",
+            inputs: &[("transfer", "transfer")],
+            params: &[("table_size", "table_size")],
+            slots: &[],
+        }),
+        doc: "The transfer function as a table.",
+    },
+];
+
+const OUTPUTS: &[OutputPort] = &[OutputPort {
+    name: "color",
+    ty: PortType::Color,
+    doc: "Opaque linear colour.",
+}];
+
+impl NodeKind for FalseColor {
+    fn name(&self) -> &'static str {
+        "false_color"
+    }
+
+    fn doc(&self) -> &'static str {
+        "Shows a layer of numbers, such as the samples of each ray, in the colours of a transfer function."
+    }
+
+    fn inputs(&self) -> &[InputPort] {
+        INPUTS
+    }
+
+    fn outputs(&self) -> &[OutputPort] {
+        OUTPUTS
+    }
+
+    fn params(&self) -> Vec<ParamSpec> {
+        vec![transfer_table::size_param()]
+    }
+
+    fn program(&self, _node: &NodeContext<'_>) -> Option<ProgramSpec> {
+        Some(ProgramSpec {
+            root: "node/false_color.wgsl",
+            fixed_slots: Default::default(),
+            entries: vec!["false_color_compute"],
+        })
+    }
+
+    fn output(&self, _port: &str, _node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
+        Ok(ResourceDesc::Texture {
+            dimensions: 2,
+            size: Size::ViewRelative(1.0),
+            format: TextureFormat::Rgba32Float,
+        })
+    }
+
+    fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
+        let [width, height] = node.view().map_or([0; 2], |view| view.size);
+        Ok(vec![Pass::Compute {
+            entry: "false_color_compute",
+            workgroups: [width.div_ceil(8), height.div_ceil(8), 1],
+            constants: Vec::new(),
+        }])
+    }
+}

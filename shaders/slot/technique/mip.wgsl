@@ -1,0 +1,25 @@
+// Maximum intensity projection: the largest scalar along the ray.
+#import "lib/extremum.wgsl"
+#import slot "tone"
+
+struct TechniqueState {
+    best: Extremum,
+}
+
+fn technique_begin(ray: Ray) -> TechniqueState {
+    return TechniqueState(extremum_begin());
+}
+
+fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ray>, segment: Segment) -> bool {
+    var best = (*state).best;
+    extremum_segment(&best, *ray, segment, 1.0);
+    (*state).best = best;
+    return false;
+}
+
+fn technique_finish(state: TechniqueState, ray: Ray) -> RayResult {
+    if state.best.depth >= RAY_NO_DEPTH {
+        return ray_nothing();
+    }
+    return RayResult(tone_color(state.best.value), state.best.depth);
+}
