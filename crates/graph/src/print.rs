@@ -41,7 +41,7 @@ pub const CONVENTIONS: &[(&str, &str)] = &[
     ),
     (
         "depth",
-        "world distance from the eye along the ray to where the opacity reaches one half; infinite where it does not",
+        "world distance from the eye along the ray to what it shows: the surface that is hit, the extremum of a projection, or where the opacity reaches one half; infinite where there is no such place",
     ),
     (
         "not a number",

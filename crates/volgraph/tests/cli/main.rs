@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod commands;
+mod gallery;
 mod link;
 mod new;
 mod planted;

@@ -1,0 +1,108 @@
+//! The plan of each ready graph, as it is committed in `tests/plans`: what a graph allocates and binds is seen in a diff.
+//!
+//! `INSTA_UPDATE=always cargo test -p volgraph-tests snapshots` writes them anew. Where a graph draws a scan, which is no
+//! part of volgraph, a small volume of bytes stands in for it.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use naga::valid::Capabilities;
+use volgraph::{Limits, Overrides, Scene, ShaderFolders};
+use volgraph_tests::{Stage, root};
+
+/// The graphs with the names of their snapshots.
+fn graphs() -> Vec<(String, PathBuf)> {
+    let mut graphs = Vec::new();
+    for folder in ["graphs", "graphs/scans"] {
+        for entry in std::fs::read_dir(root().join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|extension| extension == "ron") {
+                let stem = path.file_stem().unwrap().to_str().unwrap();
+                graphs.push((stem.to_owned(), path.clone()));
+            }
+        }
+    }
+    graphs.sort();
+    graphs
+}
+
+#[test]
+fn the_plan_of_each_ready_graph_is_as_it_is_committed() {
+    let stage = Stage::new().with("stand_in_8x8x8_uint8.raw", [128; 512]);
+    let stand_in = stage.path().join("stand_in_8x8x8_uint8.raw");
+    let graphs = graphs();
+    for (name, path) in &graphs {
+        let text = std::fs::read_to_string(path).unwrap();
+        let desc = volgraph_graph::read::graph(path, &text).unwrap();
+        let volumes = desc
+            .sources
+            .iter()
+            .filter(|(_, source)| source.kind == "volume")
+            .map(|(name, _)| (name.clone(), stand_in.clone()))
+            .collect();
+        let overrides = Overrides {
+            volumes,
+            ..Overrides::default()
+        };
+        let scene = Scene::load(
+            path,
+            &overrides,
+            &ShaderFolders::default(),
+            volgraph::registry(),
+            &volgraph::NoProgress,
+        )
+        .unwrap();
+        let shaders = scene.shader_library(Capabilities::default());
+        let plan = scene
+            .plan(&shaders, &Limits::default(), [512, 512], false)
+            .unwrap();
+        // The conventions are the same in all; files have the paths of this machine.
+        let folder = path.parent().unwrap().display().to_string();
+        let text: Vec<String> = plan
+            .to_text()
+            .lines()
+            .filter(|line| !line.starts_with("convention "))
+            .map(|line| line.replace(&format!("{folder}/"), ""))
+            .collect();
+        insta::with_settings!({ snapshot_path => root().join("tests/plans"), prepend_module_to_snapshot => false, omit_expression => true }, {
+            insta::assert_snapshot!(name.as_str(), text.join("\n"));
+        });
+    }
+    // No snapshot of a graph that is gone.
+    let known: BTreeSet<String> = graphs
+        .iter()
+        .map(|(name, _)| format!("{name}.snap"))
+        .collect();
+    for entry in std::fs::read_dir(root().join("tests/plans")).unwrap() {
+        let file = entry.unwrap().file_name().into_string().unwrap();
+        assert!(
+            known.contains(&file),
+            "tests/plans/{file} is of no ready graph"
+        );
+    }
+}
+
+#[test]
+fn a_graph_without_shadows_clip_or_environment_plans_and_binds_nothing_for_them() {
+    for (name, path) in graphs() {
+        let plan =
+            std::fs::read_to_string(root().join(format!("tests/plans/{name}.snap"))).unwrap();
+        let graph = std::fs::read_to_string(path).unwrap();
+        for (slot, words) in [
+            ("shadow", ["light_volume", "shadow"]),
+            ("clip", ["clip_", "clip_volume"]),
+            ("environment", ["environment", "environment_texture"]),
+            ("labels", ["label_texture", "params_table"]),
+        ] {
+            if graph.contains(&format!("\"{slot}\":")) {
+                continue;
+            }
+            let hits = plan.lines().filter(|line| {
+                let line = line.trim_start();
+                !line.starts_with("slot") && words.iter().any(|word| line.contains(word))
+            });
+            let hits: Vec<&str> = hits.collect();
+            assert!(hits.is_empty(), "{name} has no {slot}: {hits:?}");
+        }
+    }
+}
