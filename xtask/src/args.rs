@@ -39,6 +39,8 @@ pub enum Task {
         /// How many edits of each file.
         edits: u32,
     },
+    /// The pictures and the list of ready graphs in the README, made anew.
+    Gallery,
     /// Run fuzz targets.
     Fuzz {
         /// How long each runs.
@@ -58,6 +60,7 @@ usage: cargo xtask COMMAND
   check                   format, clippy and documentation, warnings denied
   ci                      check, then test
   bench-live [EDITS]      time from a save to the picture on disk, per stage, over so many edits (50)
+  gallery                 render the ready graphs that need no file into docs/gallery, and list them in the README
   fuzz [SECONDS] [TARGET…] run each fuzz target for so long (600 s)
 
 `--no-install` behind setup, render, test, check or ci: install nothing, only say what is missing.";
@@ -91,6 +94,7 @@ impl Task {
             "check" => alone(Self::Check { may_install }),
             "ci" => alone(Self::Ci { may_install }),
             "bench-live" => bench_live(&args),
+            "gallery" => alone(Self::Gallery),
             "fuzz" => fuzz(&args),
             _ => Err(format!("there is no command `{command}`")),
         }

@@ -6,6 +6,7 @@
 
 mod args;
 mod fuzz;
+mod gallery;
 mod setup;
 mod steps;
 mod system;

@@ -5,6 +5,7 @@ use std::process::Command;
 
 use crate::args::{Task, USAGE};
 use crate::fuzz;
+use crate::gallery;
 use crate::setup;
 use crate::steps::{Failure, Steps, cargo, root, succeeds, tell, volgraph};
 
@@ -36,6 +37,7 @@ pub fn run(task: Task) -> Result<(), Failure> {
             test(&mut steps, may_install, &[])
         }
         Task::BenchLive { edits } => bench_live(&mut steps, edits),
+        Task::Gallery => gallery::run(&mut steps),
         Task::Fuzz { seconds, targets } => fuzz::run(&mut steps, seconds, &targets),
     }
 }
@@ -168,7 +170,7 @@ fn check(steps: &mut Steps, may_install: bool) -> Result<(), Failure> {
 }
 
 /// The build folder: this program lies in a profile's folder of it.
-fn target_dir() -> std::path::PathBuf {
+pub(crate) fn target_dir() -> std::path::PathBuf {
     let own = std::env::current_exe().ok();
     let folder = own.as_deref().and_then(Path::parent).and_then(Path::parent);
     folder.map_or_else(|| root().join("target"), Path::to_path_buf)
