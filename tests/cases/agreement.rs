@@ -6,8 +6,9 @@ use volgraph_measure::compare_without_flip;
 use volgraph_tests::{adapters, open, root};
 
 fn ready_graphs() -> Vec<PathBuf> {
-    let mut graphs: Vec<PathBuf> = std::fs::read_dir(root().join("graphs"))
-        .unwrap()
+    let mut graphs: Vec<PathBuf> = ["graphs", "graphs/scans"]
+        .iter()
+        .flat_map(|folder| std::fs::read_dir(root().join(folder)).unwrap())
         .map(|entry| entry.unwrap().path())
         .filter(|path| path.extension().is_some_and(|extension| extension == "ron"))
         .collect();

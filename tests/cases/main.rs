@@ -13,3 +13,4 @@ mod memory_of_work;
 mod plans;
 mod rebuilds;
 mod snapshots;
+mod sweep;
