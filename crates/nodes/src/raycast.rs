@@ -325,6 +325,7 @@ impl NodeKind for Raycast {
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         check_segments(node)?;
+        check_refinement(node)?;
         if node.is_connected("behind")
             && node.input_resource("behind") != node.output_resource("color")
         {
@@ -405,6 +406,20 @@ fn check_segments(node: &NodeContext<'_>) -> Result<(), Finding> {
                 format!("its longest ray has {segments} segments, of {MAX_SEGMENTS} at most"),
             )
             .help("choose a longer `step`, or resample the volume to voxels closer to cubes"));
+    }
+    Ok(())
+}
+
+/// Roots of cubics are those of the trilinear field, and of no other (`lib/crossing.wgsl`).
+fn check_refinement(node: &NodeContext<'_>) -> Result<(), Finding> {
+    let reconstruct = node.slot("reconstruct");
+    if node.text("refinement") == "cubic" && reconstruct != "trilinear" {
+        return Err(node
+            .error(
+                "bad-param",
+                format!("its `refinement` `cubic` solves the trilinear field, but its slot `reconstruct` is `{reconstruct}`"),
+            )
+            .help("set `refinement` to `bisection`, or `reconstruct` to `trilinear`"));
     }
     Ok(())
 }
