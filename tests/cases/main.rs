@@ -7,6 +7,7 @@ mod agreement;
 mod closed_forms;
 mod exhaustion;
 mod hazards;
+mod isosurfaces;
 mod lost_devices;
 mod memory_of_work;
 mod plans;
