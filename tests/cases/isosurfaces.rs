@@ -15,7 +15,7 @@ const RADIUS: f64 = 7.0;
 const LOW: DVec3 = DVec3::splat(-0.5);
 const HIGH: DVec3 = DVec3::splat(21.5);
 const SIZE: [u32; 2] = [32, 32];
-const ORBIT: &str = "orbit(azimuth: 33, elevation: 21, fov_y: 40)";
+const ORBIT: &str = "orbit(azimuth: 33, elevation: 21, fov_y: 32, distance: 30)";
 
 fn distance(x: u32, y: u32, z: u32) -> f64 {
     DVec3::new(f64::from(x), f64::from(y), f64::from(z)).distance(CENTRE)
@@ -41,8 +41,14 @@ fn stage(value: fn(u32, u32, u32) -> f32, camera: &str, slots: &str, params: &st
     let normal = r#""color": "image.color", "normal": "image.normal""#;
     Stage::new()
         .with_floats("v", DIMS, value)
-        .with("transfer.ron", "(points: [(at: 0, color: (1, 1, 1), opacity: 0)])")
-        .with("graph.ron", graph.replace(r#""color": "image.color""#, normal))
+        .with(
+            "transfer.ron",
+            "(points: [(at: 0, color: (1, 1, 1), opacity: 0)])",
+        )
+        .with(
+            "graph.ron",
+            graph.replace(r#""color": "image.color""#, normal),
+        )
 }
 
 /// All pixels whose ray meets the box: number, ray, and where it enters and leaves.
@@ -90,7 +96,8 @@ fn worst_hit(picture: &Picture, view: &View, field: &Trilinear, level: f64) -> (
             steep += 1;
             worst = worst.max(error(truth));
         } else if error(truth) > 1e-3 {
-            let moved = [level - SCALAR_ERROR, level + SCALAR_ERROR].map(|level| error(first(level)));
+            let moved =
+                [level - SCALAR_ERROR, level + SCALAR_ERROR].map(|level| error(first(level)));
             wrong += usize::from(moved.iter().all(|error| *error > 1e-3));
         }
     }
@@ -112,15 +119,15 @@ fn cubic_hits_are_the_roots_of_the_trilinear_field() {
         let stage = stage(value, ORBIT, r#"{ "technique": "isosurface" }"#, &params);
         let field = Trilinear::new(DIMS, value);
         for backend in adapters() {
-            for form in STAGES {
-                for step in ["image.step=0.7", "image.step=4", "image.step=64"] {
-                    let form = format!("image.stage={form}");
-                    let (picture, view) = render(&stage, &[&form, step], &backend, SIZE);
-                    let (worst, steep, wrong) = worst_hit(&picture, &view, &field, level);
-                    let what = format!("{backend} {form} {step} {level}: {worst} over {steep}, {wrong} wrong");
-                    assert!(worst <= 1e-5 * 2.0 * RADIUS, "{what}");
-                    assert!(steep > 150 && wrong == 0, "{what}");
-                }
+            for (form, step) in [(STAGES[0], 4.0), (STAGES[1], 0.7), (STAGES[1], 64.0)] {
+                let sets = [format!("image.stage={form}"), format!("image.step={step}")];
+                let (picture, view) =
+                    render(&stage, &sets.each_ref().map(String::as_str), &backend, SIZE);
+                let (worst, steep, wrong) = worst_hit(&picture, &view, &field, level);
+                let what =
+                    format!("{backend} {sets:?} {level}: {worst} over {steep}, {wrong} wrong");
+                assert!(worst <= 1e-5 * 2.0 * RADIUS, "{what}");
+                assert!(steep > 150 && wrong == 0, "{what}");
             }
         }
         // The check itself must see a level that is a ten-thousandth off.
@@ -141,13 +148,14 @@ fn a_thin_shell_is_lost_at_large_steps_but_not_by_cubics() {
             let (picture, view) = render(&stage, &[&set], &backend, SIZE);
             let (mut met, mut seen) = (0, 0);
             for (at, ray, interval) in rays(&view) {
-                if field.crossings(ray, interval, 0.5).len() >= 4 {
+                let crossings = field.crossings(ray, interval, 0.5);
+                if crossings.len() >= 4 {
                     met += 1;
-                    seen += usize::from((depth(&picture, at) - sphere(ray, RADIUS).map_or(0.0, |hit| hit.0)).abs() < 1.0);
+                    seen += u32::from((depth(&picture, at) - crossings[0].0).abs() < 1.0);
                 }
             }
             assert!(met > 100);
-            f64::from(seen as u32) / f64::from(met)
+            f64::from(seen) / f64::from(met)
         };
         for refinement in ["none", "linear", "bisection"] {
             let share = share(refinement);
@@ -167,7 +175,10 @@ fn sphere_errors(picture: &Picture, view: &View, radius: f64) -> (f64, f64) {
         .collect();
     assert!(errors.len() > 50);
     let sum: f64 = errors.iter().sum();
-    (sum / errors.len() as f64, errors.iter().copied().fold(0.0, f64::max))
+    (
+        sum / errors.len() as f64,
+        errors.iter().copied().fold(0.0, f64::max),
+    )
 }
 
 const SPHERE: &str = r#"{ "isovalue": 49.0, "isovalue_unit": "data", "solid": "below" }"#;
@@ -183,18 +194,35 @@ fn refinements_have_their_orders() {
                 format!("image.step={step}"),
                 "image.stage=compute".to_owned(),
             ];
-            let (picture, view) = render(&stage, &sets.each_ref().map(String::as_str), &backend, SIZE);
+            let (picture, view) =
+                render(&stage, &sets.each_ref().map(String::as_str), &backend, SIZE);
             sphere_errors(&picture, &view, RADIUS).0
         };
         for (refinement, theory) in [("none", 1.0), ("linear", 2.0)] {
             let logs = [2.0, 1.0, 0.5, 0.25, 0.125].map(|step| mean(refinement, step).log2());
             // Least squares over four halvings.
-            let order = logs.iter().zip([2.0, 1.0, 0.0, -1.0, -2.0]).map(|(log, at)| log * at).sum::<f64>() / 10.0;
-            assert!((order - theory).abs() < 0.1, "{backend} {refinement}: {order}, {logs:?}");
+            let order = logs
+                .iter()
+                .zip([2.0, 1.0, 0.0, -1.0, -2.0])
+                .map(|(log, at)| log * at)
+                .sum::<f64>()
+                / 10.0;
+            assert!(
+                (order - theory).abs() < 0.1,
+                "{backend} {refinement}: {order}, {logs:?}"
+            );
         }
-        // Order 1 is half a step on the mean.
-        let none = mean("none", 0.5);
-        assert!((none - 0.25).abs() < 0.03, "{backend}: {none}");
+        // A sample is half a step behind the crossing on the mean, and never in front.
+        let (picture, view) = render(
+            &stage,
+            &["image.refinement=none", "image.step=0.5"],
+            &backend,
+            SIZE,
+        );
+        assert!((sphere_errors(&picture, &view, RADIUS).0 - 0.25).abs() < 0.03);
+        let is_behind =
+            |(at, ray, _)| sphere(ray, RADIUS).is_none_or(|hit| depth(&picture, at) > hit.0 - 1e-4);
+        assert!(rays(&view).all(is_behind), "{backend}");
     }
 }
 
@@ -211,12 +239,19 @@ fn bisection_halves_the_error() {
                     format!("image.step={step}"),
                     format!("image.stage={form}"),
                 ];
-                let (picture, view) = render(&stage, &sets.each_ref().map(String::as_str), &backend, SIZE);
+                let (picture, view) =
+                    render(&stage, &sets.each_ref().map(String::as_str), &backend, SIZE);
                 let worst = sphere_errors(&picture, &view, RADIUS).1;
                 // The middle of what is left, and roundings of scalars and depths.
                 let bound = 0.5 * step / 2.0_f64.powi(count) + 2e-5;
-                assert!(worst <= bound, "{backend} {form} {step} {count}: {worst} > {bound}");
-                assert!(worst > 0.8 * (bound - 2e-5), "{backend} {step} {count}: {worst} shows no halving");
+                assert!(
+                    worst <= bound,
+                    "{backend} {form} {step} {count}: {worst} > {bound}"
+                );
+                assert!(
+                    worst > 0.8 * (bound - 2e-5),
+                    "{backend} {step} {count}: {worst} shows no halving"
+                );
             }
         }
     }
@@ -224,7 +259,8 @@ fn bisection_halves_the_error() {
 
 #[test]
 fn a_b_spline_of_a_quadric_is_that_quadric_plus_one() {
-    let slots = r#"{ "technique": "isosurface", "reconstruct": "tricubic", "gradient": "tricubic" }"#;
+    let slots =
+        r#"{ "technique": "isosurface", "reconstruct": "tricubic", "gradient": "tricubic" }"#;
     let stage = stage(quadric, ORBIT, slots, SPHERE);
     for backend in adapters() {
         let sets = ["image.refinement=bisection", "image.bisections=24"];
@@ -239,15 +275,26 @@ fn a_b_spline_of_a_quadric_is_that_quadric_plus_one() {
 
 #[test]
 fn normals_are_within_the_bound_of_their_gradient() {
-    let slots = r#"{ "technique": "isosurface", "reconstruct": "catmull_rom", "gradient": "GRADIENT" }"#;
+    let slots =
+        r#"{ "technique": "isosurface", "reconstruct": "catmull_rom", "gradient": "GRADIENT" }"#;
     // Angles in radians. Central differences of a quadric are exact at voxels, and linear between them: half floats
     // round each part by 2^-11. Differences of f32 scalars up to 200 from sums of 64. Inside of a cell each part of the
     // trilinear field's gradient is off by at most 1, of a length of 14.
     let half_floats = 3.0_f64.sqrt() / 2048.0;
     let facets = (3.0_f64.sqrt() / (2.0 * RADIUS)).asin();
-    for (gradient, bound) in [("stored", half_floats), ("central", 1e-4), ("tricubic", 1e-4), ("analytic", facets)] {
+    for (gradient, bound) in [
+        ("stored", half_floats),
+        ("central", 1e-5),
+        ("tricubic", 1e-5),
+        ("analytic", facets),
+    ] {
         let params = SPHERE.replace("{ ", r#"{ "refinement": "bisection", "bisections": 20, "#);
-        let stage = stage(quadric, ORBIT, &slots.replace("GRADIENT", gradient), &params);
+        let stage = stage(
+            quadric,
+            ORBIT,
+            &slots.replace("GRADIENT", gradient),
+            &params,
+        );
         for backend in adapters() {
             for form in STAGES {
                 let set = format!("image.stage={form}");
@@ -262,7 +309,8 @@ fn normals_are_within_the_bound_of_their_gradient() {
                         continue;
                     }
                     let hit = ray.0 + ray.1 * depth(&picture, at);
-                    let normal = DVec3::from_array([0, 1, 2].map(|axis| f64::from(normals[at][axis])));
+                    let normal =
+                        DVec3::from_array([0, 1, 2].map(|axis| f64::from(normals[at][axis])));
                     assert!((normal.length() - 1.0).abs() < 1e-5);
                     met += 1;
                     // Turned to the eye: at the outline the sign is rounding's.
@@ -270,8 +318,14 @@ fn normals_are_within_the_bound_of_their_gradient() {
                     worst = worst.max(sine.asin());
                     assert!(normal.dot(ray.1) <= 1e-6);
                 }
-                assert!(met > 150 && worst <= bound, "{backend} {form} {gradient}: {worst} > {bound}, {met}");
-                assert!(worst > 0.02 * bound, "{backend} {gradient}: {worst} is far below {bound}");
+                assert!(
+                    met > 150 && worst <= bound,
+                    "{backend} {form} {gradient}: {worst} > {bound}, {met}"
+                );
+                assert!(
+                    worst > 0.05 * bound,
+                    "{backend} {gradient}: {worst} is far below {bound}"
+                );
             }
         }
     }

@@ -7,6 +7,7 @@ mod agreement;
 mod closed_forms;
 mod exhaustion;
 mod hazards;
+mod isosurface_colors;
 mod isosurfaces;
 mod lost_devices;
 mod memory_of_work;

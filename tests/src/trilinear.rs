@@ -34,7 +34,8 @@ impl Trilinear {
         for corner in 0..8 {
             let offset = IVec3::new(corner & 1, corner >> 1 & 1, corner >> 2);
             let weight = |part: f64, side: i32| if side == 1 { part } else { 1.0 - part };
-            let weight = weight(part.x, offset.x) * weight(part.y, offset.y) * weight(part.z, offset.z);
+            let weight =
+                weight(part.x, offset.x) * weight(part.y, offset.y) * weight(part.z, offset.z);
             sum += weight * self.voxel(index + offset);
         }
         sum
@@ -51,15 +52,22 @@ impl Trilinear {
     ) -> Vec<(f64, f64)> {
         let mut faces = vec![near, far];
         for axis in 0..3 {
-            faces.extend((-1..=self.dims[axis]).map(|plane| (f64::from(plane) - origin[axis]) / direction[axis]));
+            faces.extend(
+                (-1..=self.dims[axis])
+                    .map(|plane| (f64::from(plane) - origin[axis]) / direction[axis]),
+            );
         }
         faces.retain(|distance| (near..=far).contains(distance));
         faces.sort_by(f64::total_cmp);
         let mut found = Vec::new();
         for pair in faces.windows(2) {
             let (start, end) = (pair[0], pair[1]);
-            let index = (origin + direction * (0.5 * (start + end))).floor().as_ivec3();
-            let at = |w: f64| self.in_cell(index, origin + direction * (start + w * (end - start))) - level;
+            let index = (origin + direction * (0.5 * (start + end)))
+                .floor()
+                .as_ivec3();
+            let at = |w: f64| {
+                self.in_cell(index, origin + direction * (start + w * (end - start))) - level
+            };
             // The cubic through four of its values (Newton's divided differences), in the monomials of w.
             let [a, b, c, d] = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(at);
             let cubic = 4.5 * (d - 3.0 * c + 3.0 * b - a);
