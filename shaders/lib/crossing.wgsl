@@ -1,25 +1,127 @@
 // Where the field crosses a level inside of a segment.
+#import "lib/cell.wgsl"
 #import "lib/ray.wgsl"
 #import slot "reconstruct"
 
 struct Params {
-    /// How crossings are found inside of a segment: `none` takes its end, `linear` interpolates.
-    /// @default linear @choices none linear
+    /// How crossings are found inside of a segment: `none` takes its end (order 1 in the step), `linear` interpolates
+    /// (order 2), `bisection` halves and samples, `cubic` solves the trilinear field cell by cell: exact, at any step, with
+    /// all crossings. `cubic` needs the slot `reconstruct` to be `trilinear`; the others see only segments whose ends lie
+    /// on both sides. @default linear @choices none linear bisection cubic
     refinement: u32,
+    /// How often `bisection` halves a segment. @default 6 @range 1 24
+    bisections: u32,
 }
 
 // Stands for no crossing.
 const CROSSING_NONE: f32 = 3.0e38;
+// More crossings of one level are not looked for in one segment.
+const CROSSING_MAX: u32 = 256u;
 
 // World distance from the ray's entry to the first crossing of a level in the segment that is farther than `after`;
 // CROSSING_NONE where there is none.
 fn crossing_next(ray: Ray, segment: Segment, level: f32, after: f32) -> f32 {
+    if params.refinement == 3u {
+        return crossing_cubic(ray, segment, level, after);
+    }
     let front = segment.front.scalar - level;
     let back = segment.back.scalar - level;
     if (front >= 0.0) == (back >= 0.0) {
         return CROSSING_NONE;
     }
-    let part = select(1.0, front / (front - back), params.refinement == 1u);
-    let distance = segment.start + segment.length * part;
+    var distance = segment.start + segment.length;
+    if params.refinement == 1u {
+        distance = segment.start + segment.length * (front / (front - back));
+    } else if params.refinement == 2u {
+        distance = crossing_bisected(ray, segment, level);
+    }
     return select(CROSSING_NONE, distance, distance > after);
+}
+
+// Whether a segment starts at the level or above it, as its crossings count.
+fn crossing_starts_above(ray: Ray, segment: Segment, level: f32) -> bool {
+    if params.refinement == 3u {
+        return crossing_is_above(ray, segment.start, level);
+    }
+    return segment.front.scalar >= level;
+}
+
+// The middle of what is left after halving: at most half of that beside the crossing.
+fn crossing_bisected(ray: Ray, segment: Segment, level: f32) -> f32 {
+    let is_above = segment.front.scalar >= level;
+    var low = segment.start;
+    var high = segment.start + segment.length;
+    for (var turn = 0u; turn < min(params.bisections, 24u); turn++) {
+        let middle = 0.5 * (low + high);
+        if (reconstruct_scalar(ray_position(ray, middle)) >= level) == is_above {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return 0.5 * (low + high);
+}
+
+// Sides are those of the trilinear field at the segment's ends, and each stretch goes on from the side where the one
+// before ended: whatever is rounded, no crossing falls between two cells or two segments, and none is met twice.
+fn crossing_cubic(ray: Ray, segment: Segment, level: f32, after: f32) -> f32 {
+    let limit = segment.start + segment.length;
+    var cell = cell_begin(ray, segment.start, limit);
+    var is_above = false;
+    for (var turn = 0u; turn < CELL_MAX; turn++) {
+        let values = cell_values(cell.index, level);
+        if turn == 0u {
+            is_above = cell_scalar(values, cell_place(ray, cell.index, cell.start)) >= 0.0;
+        }
+        let lows = values.low >= vec4f(0.0);
+        let highs = values.high >= vec4f(0.0);
+        let all_above = all(lows) && all(highs);
+        if all_above || !(any(lows) || any(highs)) {
+            // No crossing inside.
+            if all_above != is_above && cell.start > after {
+                return cell.start;
+            }
+            is_above = all_above;
+        } else {
+            let cubic = cell_cubic(ray, cell, values);
+            let extremes = cell_cubic_extremes(cubic);
+            var low = 0.0;
+            for (var piece = 0u; piece < 3u; piece++) {
+                var high = 1.0;
+                var value = 0.0;
+                if piece == 2u {
+                    value = cell_scalar(values, cell_place(ray, cell.index, cell.end));
+                } else {
+                    high = select(extremes.x, extremes.y, piece == 1u);
+                    value = cell_cubic_at(cubic, high);
+                }
+                if high > low || piece == 2u {
+                    if (value >= 0.0) != is_above {
+                        let w = cell_cubic_root(cubic, low, high, is_above);
+                        let distance = min(cell.start + w * (cell.end - cell.start), limit);
+                        if distance > after {
+                            return distance;
+                        }
+                        is_above = !is_above;
+                    }
+                    low = high;
+                }
+            }
+        }
+        if !cell_next(ray, &cell) {
+            break;
+        }
+    }
+    // The next segment starts in the cell that its start is in, which may be the one after.
+    if any(cell_begin(ray, limit, limit).index != cell.index)
+        && crossing_is_above(ray, limit, level) != is_above && limit > after {
+        return limit;
+    }
+    return CROSSING_NONE;
+}
+
+// Whether the trilinear field is at a level or above it.
+fn crossing_is_above(ray: Ray, distance: f32, level: f32) -> bool {
+    let cell = cell_begin(ray, distance, distance);
+    return cell_scalar(cell_values(cell.index, level), cell_place(ray, cell.index, distance)) >= 0.0;
 }

@@ -7,6 +7,7 @@
 #![expect(clippy::unwrap_used, reason = "a harness fails by panicking")]
 
 pub mod kinds;
+pub mod trilinear;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -330,6 +330,7 @@ impl NodeKind for Raycast {
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         check_segments(node)?;
+        check_refinement(node)?;
         if node.is_connected("behind")
             && node.input_resource("behind") != node.output_resource("color")
         {
@@ -410,6 +411,25 @@ fn check_segments(node: &NodeContext<'_>) -> Result<(), Finding> {
                 format!("its longest ray has {segments} segments, of {MAX_SEGMENTS} at most"),
             )
             .help("choose a longer `step`, or resample the volume to voxels closer to cubes"));
+    }
+    Ok(())
+}
+
+/// Roots and extremes of cubics are those of the trilinear field, and of no other (`lib/crossing.wgsl`,
+/// `lib/extremum.wgsl`).
+fn check_refinement(node: &NodeContext<'_>) -> Result<(), Finding> {
+    let reconstruct = node.slot("reconstruct");
+    for (param, exact, other) in [
+        ("refinement", "cubic", "bisection"),
+        ("extremum", "field", "samples"),
+    ] {
+        if node.text(param) == exact && reconstruct != "trilinear" {
+            let message = format!(
+                "its `{param}` `{exact}` solves the trilinear field, but its slot `reconstruct` is `{reconstruct}`"
+            );
+            let help = format!("set `{param}` to `{other}`, or `reconstruct` to `trilinear`");
+            return Err(node.error("bad-param", message).help(help));
+        }
     }
     Ok(())
 }
