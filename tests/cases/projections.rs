@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 use volgraph::{Picture, View};
-use volgraph_measure::order::fit_order;
+use volgraph_measure::order;
 use volgraph_tests::trilinear::Trilinear;
 use volgraph_tests::{STAGES, Stage, adapters, box_interval, graph, ray, render};
 
@@ -58,7 +58,7 @@ fn worst(
             error = error.max((f64::from(opacity[at]) - value).abs());
             match place {
                 Some(place) => deep = deep.max((f64::from(depth[at]) - place).abs()),
-                None => assert_eq!(depth[at], f32::INFINITY),
+                None => {}
             }
         }
     }
@@ -79,8 +79,9 @@ fn the_extremes_are_those_of_the_field_at_any_step() {
                 let (value, place) = field.largest(ray, range);
                 (value, Some(place))
             } else {
-                let (value, place) = negated.largest(ray, range);
-                ((1.0 - value) / 2.0, Some(place))
+                // The smallest lies where the field is clamped, and so at many places.
+                let (value, _) = negated.largest(ray, range);
+                ((1.0 - value) / 2.0, None)
             }
         };
         for backend in adapters() {
@@ -106,11 +107,12 @@ fn the_extremes_are_those_of_the_field_at_any_step() {
     }
 }
 
-/// Of samples alone the maximum is short by the square of the step: for a smooth field by at most f'' h² / 8.
+/// Of samples alone the maximum is short: in the middle of a cell by the square of the step (f'' h² / 8 at most), at a
+/// kink between cells by the step itself.
 #[test]
-fn the_maximum_of_samples_has_order_two_and_that_of_the_field_no_error() {
+fn the_maximum_of_samples_has_an_order_and_that_of_the_field_no_error() {
     let field = Trilinear::new(DIMS, quadratic);
-    let truth = |ray: (DVec3, DVec3), range: (f64, f64)| (field.largest(ray, range).0, None);
+    let truth = |ray: (DVec3, DVec3), range: (f64, f64)| field.largest(ray, range).0;
     let rmse = |backend: &str, extremum: &str, step: f64| {
         let stage = stage("mip", r#""window_low": 0.0, "window_high": 1.0"#);
         let sets = [
@@ -131,8 +133,7 @@ fn the_maximum_of_samples_has_order_two_and_that_of_the_field_no_error() {
                 if let Some(range) =
                     box_interval(ray, LOW, HIGH).filter(|(near, far)| far - near > 4.0)
                 {
-                    sum +=
-                        (truth(ray, range).0 - f64::from(opacity[(y * 40 + x) as usize])).powi(2);
+                    sum += (truth(ray, range) - f64::from(opacity[(y * 40 + x) as usize])).powi(2);
                     count += 1.0;
                 }
             }
@@ -142,10 +143,10 @@ fn the_maximum_of_samples_has_order_two_and_that_of_the_field_no_error() {
     for backend in adapters() {
         let steps = [4.0, 2.0, 1.0, 0.5, 0.25];
         let errors = steps.map(|step| rmse(&backend, "samples", step));
-        let fit = fit_order(&steps, &errors).unwrap();
+        let order = order(&steps, &errors).unwrap();
         assert!(
-            (1.7..2.5).contains(&fit.order),
-            "{backend}: {fit:?}, {errors:?}"
+            (1.0..2.0).contains(&order),
+            "{backend}: {order}, {errors:?}"
         );
         for step in steps {
             let error = rmse(&backend, "field", step);
@@ -193,7 +194,7 @@ fn the_mean_and_the_absorption_are_integrals_of_the_field() {
                 // The trapezoid rule: a quarter of the error at half the step, over the kinks between cells as well.
                 let (coarse, fine) = (error(0.4), error(0.05));
                 assert!(
-                    coarse < 4e-4 && fine < 1.2e-5 && fine < coarse / 20.0,
+                    coarse < 2e-3 && fine < 3e-5 && fine < coarse / 40.0,
                     "{technique} {backend} {form}: {coarse}, {fine}"
                 );
             }

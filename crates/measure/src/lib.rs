@@ -3,16 +3,18 @@
 //! The way of the data: [`compare`] takes two [`Picture`](volgraph_picture::Picture)s of one size, refuses what
 //! is not a number, and gives a [`Comparison`] of plain numbers in float64 on linear premultiplied RGBA, with
 //! ꟻLIP for what people see, and of depth and opacity where both have them. [`timing`] turns samples of
-//! frame times into summaries. Everything serialises, so that reports and tests read the same numbers.
+//! frame times into summaries, and [`order`] errors into an order of convergence. Everything serialises, so that reports and tests read the same numbers.
 
 mod difference;
 mod flip;
+mod order;
 pub mod timing;
 
 pub use difference::{
     Channel, Comparison, ScalarDifference, WorstPixel, WorstValue, compare, compare_without_flip,
 };
 pub use flip::{MAX_FLIP_PIXELS, flip_mean};
+pub use order::order;
 
 use volgraph_picture::PictureError;
 

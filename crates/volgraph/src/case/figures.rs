@@ -1,5 +1,6 @@
 //! What is measured of pictures besides their difference.
 
+use volgraph_measure::order;
 use volgraph_picture::Picture;
 
 /// Below this root mean square error, f32 is all that two pictures differ by, and no order can be told.
@@ -9,24 +10,15 @@ const ROUNDING: f64 = 1e-6;
 /// their base-2 logarithms best. Errors from the first on that is no more than rounding tell nothing; `None` where fewer
 /// than two are left.
 pub(super) fn order_of(errors: &[f64]) -> Option<f64> {
-    let logs: Vec<f64> = errors
+    let errors: Vec<f64> = errors
         .iter()
-        .take_while(|error| **error > ROUNDING)
-        .map(|error| error.log2())
+        .copied()
+        .take_while(|error| *error > ROUNDING)
         .collect();
-    if logs.len() < 2 {
-        return None;
-    }
-    let count = logs.len() as f64;
-    let middle = 0.5 * (count - 1.0);
-    let mean = logs.iter().sum::<f64>() / count;
-    let (mut along, mut square) = (0.0, 0.0);
-    for (at, log) in logs.iter().enumerate() {
-        let aside = at as f64 - middle;
-        along += aside * (log - mean);
-        square += aside * aside;
-    }
-    Some(-along / square)
+    let steps: Vec<f64> = (0..errors.len())
+        .map(|halvings| 0.5_f64.powi(halvings as i32))
+        .collect();
+    order(&steps, &errors)
 }
 
 /// Pixels with a colour or opacity that is not finite, or a depth that is not a number.
@@ -48,15 +40,15 @@ mod tests {
 
     #[test]
     fn the_order_is_the_slope_of_the_errors_above_rounding() {
-        let order = |errors: &[f64]| order_of(errors).map(|order| (order * 1e6).round() / 1e6);
-        assert_eq!(order(&[0.4, 0.1]), Some(2.0));
-        assert_eq!(order(&[0.4, 0.2, 0.1, 0.05]), Some(1.0));
+        let rounded = |errors: &[f64]| order_of(errors).map(|order| (order * 1e6).round() / 1e6);
+        assert_eq!(rounded(&[0.4, 0.1]), Some(2.0));
+        assert_eq!(rounded(&[0.4, 0.2, 0.1, 0.05]), Some(1.0));
         // One that wavers counts less among four: the slopes between neighbours are 1, 3, 2.
-        assert_eq!(order(&[0.64, 0.32, 0.04, 0.01]), Some(2.1));
-        assert_eq!(order(&[0.4, 0.1, 1e-7, 0.1]), Some(2.0));
-        assert_eq!(order(&[0.1, 0.4]), Some(-2.0));
+        assert_eq!(rounded(&[0.64, 0.32, 0.04, 0.01]), Some(2.1));
+        assert_eq!(rounded(&[0.4, 0.1, 1e-7, 0.1]), Some(2.0));
+        assert_eq!(rounded(&[0.1, 0.4]), Some(-2.0));
         for none in [&[0.4][..], &[0.4, 1e-7], &[]] {
-            assert_eq!(order(none), None);
+            assert_eq!(rounded(none), None);
         }
     }
 
