@@ -338,8 +338,10 @@ fn pieces_of_a_segment_are_integrated_up_to_the_isovalue() {
 #[test]
 fn a_solid_that_fills_the_box_shows_its_faces() {
     let camera = "orbit(azimuth: 33, elevation: 21, fov_y: 40)";
-    let slots = r#"{ "technique": "isosurface" }"#;
-    let params = r#"{ "isovalue": 0.5, "isovalue_unit": "data" }"#;
+    let slots = r#"{ "technique": "isosurface", "light": "phong" }"#;
+    let params = r#"{ "isovalue": 0.5, "isovalue_unit": "data", "surface_color": [1, 1, 1], "ambient": 0.0, "diffuse": 1.0,
+                      "specular": 0.0, "light_1": [0.48, -0.6, 0.64, 0.0] }"#;
+    let light = DVec3::new(0.48, -0.6, 0.64);
     let stage = stage(
         ([8, 8, 8], |_, _, _| 0.75),
         "",
@@ -361,14 +363,18 @@ fn a_solid_that_fills_the_box_shows_its_faces() {
                 let normals = session.read("normal").unwrap().color;
                 let view = *session.view();
                 let mut met = 0;
-                for (at, (normal, seen)) in normals.iter().zip(picture.depth.unwrap()).enumerate() {
+                for (at, (normal, seen)) in normals
+                    .iter()
+                    .zip(picture.depth.as_ref().unwrap())
+                    .enumerate()
+                {
                     let ray = ray(&view, at as u32 % SIZE[0], at as u32 / SIZE[0]);
                     let Some((near, _)) = box_interval(ray, bounds.0, bounds.1) else {
-                        assert_eq!(seen, f32::INFINITY);
+                        assert_eq!(*seen, f32::INFINITY);
                         continue;
                     };
                     assert!(
-                        (f64::from(seen) - near).abs() <= 1e-5,
+                        (f64::from(*seen) - near).abs() <= 1e-5,
                         "{backend} {form} {seen} {near}"
                     );
                     // The face nearest to the entry; not at edges, where two are.
@@ -382,6 +388,10 @@ fn a_solid_that_fills_the_box_shows_its_faces() {
                         met += 1;
                         let mut face = [0.0; 3];
                         face[axis] = from_middle[axis].signum() as f32;
+                        // Lambert's cosine: the face is lit by its own normal.
+                        let lit = light[axis] * from_middle[axis].signum();
+                        let seen = f64::from(picture.color[at][1]);
+                        assert!((seen - lit.max(0.0)).abs() < 1e-5, "{seen}, not {lit}");
                         assert!(
                             (0..3).all(|i| (normal[i] - face[i]).abs() < 1e-6),
                             "{normal:?} {face:?}"
