@@ -1,21 +1,24 @@
-//! Colours of isosurfaces: composited in order, in front of and behind what a volume adds; and faces of solids.
+//! Colours of isosurfaces: composited in order, in front of and behind what a volume adds.
 
 use glam::DVec3;
 use volgraph::{Picture, View};
 use volgraph_tests::trilinear::Trilinear;
 use volgraph_tests::{STAGES, Stage, adapters, box_interval, graph, ray, render};
 
-const SIZE: [u32; 2] = [32, 32];
+pub const SIZE: [u32; 2] = [32, 32];
 const CENTRE: DVec3 = DVec3::new(10.3, 10.7, 10.9);
-const SPHERES: [u32; 3] = [22; 3];
+pub const SPHERES: [u32; 3] = [22; 3];
 
-fn distance(x: u32, y: u32, z: u32) -> f32 {
+pub fn distance(x: u32, y: u32, z: u32) -> f32 {
     DVec3::new(f64::from(x), f64::from(y), f64::from(z)).distance(CENTRE) as f32
 }
 
+/// Dimensions, and the value of each voxel.
+pub type Voxels = ([u32; 3], fn(u32, u32, u32) -> f32);
+
 /// A volume in index space, a transfer function, a camera, slots and parameters.
-fn stage(
-    (dims, value): ([u32; 3], fn(u32, u32, u32) -> f32),
+pub fn stage(
+    (dims, value): Voxels,
     grid: &str,
     transfer: &str,
     camera: &str,
@@ -36,7 +39,7 @@ fn stage(
         )
 }
 
-const CLEAR: &str = "(points: [(at: 0, color: (1, 1, 1), opacity: 0)])";
+pub const CLEAR: &str = "(points: [(at: 0, color: (1, 1, 1), opacity: 0)])";
 
 /// The largest error of colour and opacity over all pixels, and the number of those where there is something. The truth
 /// may give several colours, all of them within the roundings of the field.
@@ -148,10 +151,10 @@ fn translucent_spheres_are_composited_in_the_order_of_the_ray() {
 }
 
 /// From 0 to 1 over eight voxels along x, centre to centre.
-const RAMP: ([u32; 3], fn(u32, u32, u32) -> f32) = ([9, 9, 9], |x, _, _| x as f32 / 8.0);
+pub const RAMP: Voxels = ([9, 9, 9], |x, _, _| x as f32 / 8.0);
 const RAMP_BOX: (DVec3, DVec3) = (DVec3::ZERO, DVec3::splat(8.0));
 /// From the low side, from the high side, and from inside of the upper half.
-const RAMP_CAMERAS: [&str; 3] = [
+pub const RAMP_CAMERAS: [&str; 3] = [
     "look_at(eye: (-20, 6, 5), target: (4, 4, 4), fov_y: 30)",
     "look_at(eye: (25, 2, 7), target: (4, 4, 4), fov_y: 30)",
     "look_at(eye: (6.2, 4.1, 4.3), target: (0, 4, 4), fov_y: 70)",
@@ -333,132 +336,4 @@ fn pieces_of_a_segment_are_integrated_up_to_the_isovalue() {
             }
         }
     }
-}
-
-#[test]
-fn a_solid_that_fills_the_box_shows_its_faces() {
-    let camera = "orbit(azimuth: 33, elevation: 21, fov_y: 40)";
-    let slots = r#"{ "technique": "isosurface" }"#;
-    let params = r#"{ "isovalue": 0.5, "isovalue_unit": "data" }"#;
-    let stage = stage(
-        ([8, 8, 8], |_, _, _| 0.75),
-        "",
-        CLEAR,
-        camera,
-        [slots, params],
-    );
-    let bounds = (DVec3::splat(-0.5), DVec3::splat(7.5));
-    for backend in adapters() {
-        for form in STAGES {
-            for refinement in ["linear", "cubic"] {
-                let sets = [
-                    format!("image.stage={form}"),
-                    format!("image.refinement={refinement}"),
-                ];
-                let sets = sets.each_ref().map(String::as_str);
-                let mut session = stage.open("graph.ron", &sets, &backend, SIZE).unwrap();
-                let (picture, _) = session.render().unwrap();
-                let normals = session.read("normal").unwrap().color;
-                let view = *session.view();
-                let mut met = 0;
-                for (at, (normal, seen)) in normals.iter().zip(picture.depth.unwrap()).enumerate() {
-                    let ray = ray(&view, at as u32 % SIZE[0], at as u32 / SIZE[0]);
-                    let Some((near, _)) = box_interval(ray, bounds.0, bounds.1) else {
-                        assert_eq!(seen, f32::INFINITY);
-                        continue;
-                    };
-                    assert!(
-                        (f64::from(seen) - near).abs() <= 1e-5,
-                        "{backend} {form} {seen} {near}"
-                    );
-                    // The face nearest to the entry; not at edges, where two are.
-                    let from_middle = ray.0 + ray.1 * near - 3.5;
-                    let mut sides = from_middle.abs().to_array();
-                    let axis = (0..3)
-                        .max_by(|&a, &b| sides[a].total_cmp(&sides[b]))
-                        .unwrap();
-                    sides.sort_by(f64::total_cmp);
-                    if sides[1] < 4.0 - 1e-3 {
-                        met += 1;
-                        let mut face = [0.0; 3];
-                        face[axis] = from_middle[axis].signum() as f32;
-                        assert!(
-                            (0..3).all(|i| (normal[i] - face[i]).abs() < 1e-6),
-                            "{normal:?} {face:?}"
-                        );
-                    }
-                }
-                assert!(met > 200);
-            }
-            // Open, the hollow inside of the box has no surface; and none from inside of the solid.
-            let form = format!("image.stage={form}");
-            for set in ["image.cut_faces=open", "image.solid=below"] {
-                let (picture, _) = render(&stage, &[&form, set], &backend, SIZE);
-                assert!(
-                    picture
-                        .opacity
-                        .unwrap()
-                        .iter()
-                        .all(|opacity| *opacity == 0.0),
-                    "{backend} {form} {set}"
-                );
-            }
-        }
-    }
-}
-
-#[test]
-fn an_eye_inside_of_the_solid_sees_its_surface_from_inside() {
-    let camera = "look_at(eye: (9.3, 11.1, 10.2), target: (20, 14, 12), fov_y: 80)";
-    let params =
-        r#"{ "isovalue": 7.0, "isovalue_unit": "data", "solid": "below", "refinement": "cubic" }"#;
-    let stage = stage(
-        (SPHERES, distance),
-        "",
-        CLEAR,
-        camera,
-        [r#"{ "technique": "isosurface" }"#, params],
-    );
-    let field = Trilinear::new(SPHERES, distance);
-    for backend in adapters() {
-        for form in STAGES {
-            let set = format!("image.stage={form}");
-            let (picture, view) = render(&stage, &[&set], &backend, SIZE);
-            for (at, seen) in picture.depth.unwrap().iter().enumerate() {
-                let ray = ray(&view, at as u32 % SIZE[0], at as u32 / SIZE[0]);
-                let interval = box_interval(ray, DVec3::splat(-0.5), DVec3::splat(21.5)).unwrap();
-                let (truth, _) = field.crossings(ray, interval, 7.0)[0];
-                assert!(
-                    (f64::from(*seen) - truth).abs() <= 1e-4,
-                    "{backend} {form}: {seen}, not {truth}"
-                );
-            }
-        }
-    }
-}
-
-#[test]
-fn cubics_of_another_field_than_the_trilinear_are_refused() {
-    let slots = r#"{ "technique": "isosurface", "reconstruct": "tricubic" }"#;
-    let params = r#"{ "refinement": "cubic" }"#;
-    let stage = stage(RAMP, "", CLEAR, RAMP_CAMERAS[0], [slots, params]);
-    let refused = stage
-        .open("graph.ron", &[], &adapters()[0], SIZE)
-        .err()
-        .unwrap();
-    let text = refused.to_string();
-    assert!(
-        text.contains("`reconstruct` is `tricubic`") && text.contains("bisection"),
-        "{text}"
-    );
-    assert!(
-        stage
-            .open(
-                "graph.ron",
-                &["image.slots.reconstruct=trilinear"],
-                &adapters()[0],
-                SIZE
-            )
-            .is_ok()
-    );
 }

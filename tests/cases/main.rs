@@ -8,6 +8,7 @@ mod closed_forms;
 mod exhaustion;
 mod hazards;
 mod isosurface_colors;
+mod isosurface_faces;
 mod isosurfaces;
 mod layers;
 mod lost_devices;
