@@ -244,7 +244,8 @@ const BEYOND: Inherited = Inherited {
 fn beyond_slots(node: &NodeContext<'_>) -> Vec<(String, String)> {
     let slot = |name: &str, choice: &str| (name.to_owned(), choice.to_owned());
     match node.writer("behind") {
-        None => vec![slot("beyond", "none")],
+        // The pattern is for whoever checks the shaders of `beyond` alone.
+        None => vec![slot("beyond", "none"), slot("pattern", "uniform")],
         Some(writer) if writer.kind_name() == Background.name() => vec![
             slot("beyond", "pattern"),
             slot("pattern", writer.text("pattern")),

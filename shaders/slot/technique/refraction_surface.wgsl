@@ -42,50 +42,69 @@ fn technique_begin(ray: Ray) -> TechniqueState {
 
 fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ray>, segment: Segment) -> bool {
     let bends = (*ray).bends;
+    let end = segment.start + segment.length;
+    var is_entering = false;
     // Where a ray comes into what is visible of the volume, and not only goes on in it.
     if segment.start == 0.0 && (*ray).near > (*state).seen + volume_least() {
-        (*state).is_inside = false;
-        if isovalue_is_solid(segment.front.scalar) {
-            if (*ray).near == 0.0 {
-                // The eye is in the solid.
-                (*state).is_inside = true;
-            } else if technique_meet(state, ray, 0.0, surface_entry_normal(*ray)) {
-                return true;
-            }
-        }
+        let is_solid = isovalue_is_solid(segment.front.scalar);
+        // The eye itself may be in the solid.
+        (*state).is_inside = is_solid && (*ray).near == 0.0;
+        is_entering = is_solid && !(*state).is_inside;
     }
     var after = -1.0;
-    for (var turn = 0u; turn < 16u && (*ray).bends == bends; turn++) {
-        let distance = crossing_next(*ray, segment, isovalue_level(), after);
-        if distance == CROSSING_NONE {
-            break;
-        }
-        let next = crossing_next(*ray, segment, isovalue_level(), distance);
-        var scalar = segment.back.scalar;
-        if next != CROSSING_NONE {
-            scalar = reconstruct_scalar(ray_position(*ray, 0.5 * (distance + next)));
-        }
-        if isovalue_is_solid(scalar) != (*state).is_inside {
-            if technique_meet(state, ray, distance, gradient_at(ray_position(*ray, distance))) {
-                return true;
+    for (var turn = 0u; turn < 16u; turn++) {
+        var distance = 0.0;
+        var normal = vec3f(0.0);
+        if is_entering {
+            normal = surface_entry_normal(*ray);
+            is_entering = false;
+        } else if after < end {
+            distance = technique_crossing(*ray, segment, after, (*state).is_inside);
+            after = distance;
+            if distance == CROSSING_NONE {
+                // A ray along the surface may be on the other side without having met it.
+                if isovalue_is_solid(segment.back.scalar) != (*state).is_inside {
+                    technique_absorb(state, (*ray).near + segment.start);
+                    (*state).is_inside = !(*state).is_inside;
+                }
+                (*state).seen = (*ray).near + end;
+                if !(*state).is_inside || (*state).seen + volume_least() < (*ray).visible_end {
+                    return false;
+                }
+                distance = end;
+                normal = technique_exit_normal(*ray, end);
+            } else {
+                normal = gradient_at(ray_position(*ray, distance));
             }
+        } else {
+            return false;
         }
-        after = distance;
-    }
-    if (*ray).bends != bends {
-        return false;
-    }
-    // A ray along the surface may be on the other side without having met it.
-    if isovalue_is_solid(segment.back.scalar) != (*state).is_inside {
-        technique_absorb(state, (*ray).near + segment.start);
-        (*state).is_inside = !(*state).is_inside;
-    }
-    let end = segment.start + segment.length;
-    (*state).seen = (*ray).near + end;
-    if (*state).is_inside && (*state).seen + volume_least() >= (*ray).visible_end {
-        return technique_meet(state, ray, end, technique_exit_normal(*ray, end));
+        if technique_meet(state, ray, distance, normal) {
+            return true;
+        }
+        if (*ray).bends != bends {
+            return false;
+        }
     }
     return false;
+}
+
+// World distance from the ray's entry to the first crossing in the segment, farther than `given`, that leads to the other
+// side than the ray is on; CROSSING_NONE where there is none.
+fn technique_crossing(ray: Ray, segment: Segment, given: f32, is_inside: bool) -> f32 {
+    var distance = crossing_next(ray, segment, isovalue_level(), given);
+    for (var turn = 0u; turn < 16u && distance != CROSSING_NONE; turn++) {
+        let next = crossing_next(ray, segment, isovalue_level(), distance);
+        var scalar = segment.back.scalar;
+        if next != CROSSING_NONE {
+            scalar = reconstruct_scalar(ray_position(ray, 0.5 * (distance + next)));
+        }
+        if isovalue_is_solid(scalar) != is_inside {
+            break;
+        }
+        distance = next;
+    }
+    return distance;
 }
 
 // World normal of the face of the box, or of the cut, where the ray leaves what is visible.
