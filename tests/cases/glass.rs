@@ -106,6 +106,17 @@ pub struct Solid {
     pub max_interfaces: u32,
 }
 
+/// What happens to a ray.
+pub struct Way {
+    pub color: f64,
+    /// How often it meets the surface.
+    pub interfaces: u32,
+    /// The cosine of its flattest angle to a surface, outside of it; near 0 as well where it is just mirrored.
+    pub least_cosine: f64,
+    /// The ray that is left in the end.
+    pub ray: (DVec3, DVec3),
+}
+
 impl Solid {
     fn interval(&self, ray: (DVec3, DVec3)) -> [(f64, DVec3); 2] {
         self.shapes
@@ -123,33 +134,34 @@ impl Solid {
     /// What a pixel shows: mirrored shares show what is behind in their direction.
     pub fn color(&self, ray: (DVec3, DVec3), beyond: &Beyond) -> f64 {
         self.trace(ray, |from, direction| beyond.color(from, direction))
-            .0
+            .color
     }
 
-    /// How often a ray meets the surface.
-    pub fn interfaces(&self, ray: (DVec3, DVec3)) -> u32 {
-        self.trace(ray, |_, _| 0.0).1
-    }
-
-    /// The ray that is left in the end.
-    pub fn leave(&self, ray: (DVec3, DVec3)) -> (DVec3, DVec3) {
-        self.trace(ray, |_, _| 0.0).2
+    /// What happens to a ray, its colour aside.
+    pub fn way(&self, ray: (DVec3, DVec3)) -> Way {
+        self.trace(ray, |_, _| 0.0)
     }
 
     fn trace(
         &self,
         (mut origin, mut direction): (DVec3, DVec3),
         beyond: impl Fn(DVec3, DVec3) -> f64,
-    ) -> (f64, u32, (DVec3, DVec3)) {
+    ) -> Way {
         let [(near, normal), (far, _)] = self.interval((origin, direction));
-        let (mut color, mut share, mut interfaces) = (0.0, 1.0, 0);
+        let (mut color, mut share, mut interfaces, mut least_cosine) = (0.0, 1.0, 0, 1.0_f64);
         if far <= near.max(0.0) {
-            return (beyond(origin, direction), 0, (origin, direction));
+            return Way {
+                color: beyond(origin, direction),
+                interfaces,
+                least_cosine,
+                ray: (origin, direction),
+            };
         }
         if near > 0.0 {
             origin += near * direction;
             interfaces = 1;
             let cosine = -normal.dot(direction);
+            least_cosine = least_cosine.min(cosine);
             let mirrored = reflectance(1.0, self.index, cosine);
             color += mirrored * beyond(origin, direction + 2.0 * cosine * normal);
             share -= mirrored;
@@ -163,6 +175,9 @@ impl Solid {
             interfaces += 1;
             share *= (-self.extinction * far).exp();
             let cosine = normal.dot(direction);
+            // The angle outside, which is the larger one.
+            let outside = 1.0 - (self.index * self.index) * (1.0 - cosine * cosine);
+            least_cosine = least_cosine.min(outside.abs().sqrt());
             let mirrored = reflectance(self.index, 1.0, cosine);
             let inner = direction - 2.0 * cosine * normal;
             if mirrored >= 1.0 {
@@ -176,6 +191,11 @@ impl Solid {
             break;
         }
         color += share * beyond(origin, direction);
-        (color, interfaces, (origin, direction))
+        Way {
+            color,
+            interfaces,
+            least_cosine,
+            ray: (origin, direction),
+        }
     }
 }

@@ -3,6 +3,8 @@
 //! The background is a gradient from 0 to 1 over the picture's height, so that a pixel's colour is the place that its ray
 //! has met: `place.y / 2 + 1 / 2`.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 use volgraph::{Picture, View};
 use volgraph_tests::{STAGES, Stage, adapters, graph, render};
@@ -36,6 +38,9 @@ fn worst(
                 .all(|(dx, dy)| at(dx, dy).is_some_and(|near| (near - expected).abs() < tolerance));
             if is_steady {
                 let seen = f64::from(picture.color[(y * picture.width + x) as usize][0]);
+                if std::env::var_os("DBG").is_some() && (seen - expected).abs() > 4e-3 {
+                    eprintln!("{x} {y} seen {seen} expected {expected}");
+                }
                 worst = worst.max((seen - expected).abs());
                 compared += 1;
             }
@@ -186,7 +191,7 @@ fn in_glass_rays_beyond_the_critical_angle_stay_inside() {
             let mirrored = (0..48 * 48)
                 .filter(|i| {
                     let ray = ray_at(&drawn.1, f64::from(i % 48) + 0.5, f64::from(i / 48) + 0.5);
-                    solid.interfaces(ray) > 1
+                    solid.way(ray).interfaces > 1
                 })
                 .count();
             assert!(mirrored > 300, "{mirrored} rays are mirrored");
@@ -224,7 +229,7 @@ fn a_ball_of_glass_turns_rays_by_twice_the_difference_of_the_angles() {
     // The tracer itself: a ray that passes the middle at b is turned by 2 (asin(b/R) - asin(b/(n R))).
     for b in [0.0, 3.0, 9.0, 15.0] {
         let ray = (DVec3::new(-80.0, BALL_CENTRE + b, BALL_CENTRE), DVec3::X);
-        let (_, out) = solid.leave(ray);
+        let (_, out) = solid.way(ray).ray;
         let turn = 2.0 * ((b / BALL_RADIUS).asin() - (b / BALL_RADIUS / 1.4).asin());
         assert!((out.y.atan2(out.x) + turn).abs() < 1e-12);
     }
@@ -242,10 +247,10 @@ fn a_ball_of_glass_turns_rays_by_twice_the_difference_of_the_angles() {
                     [48, 48],
                 );
                 let beyond = Beyond::new(&drawn.1, box_of(BALL), 2.0);
-                let (error, compared) = worst(&drawn, 2e-3, |ray| {
-                    let passes = (DVec3::splat(BALL_CENTRE) - ray.0).cross(ray.1).length();
-                    let is_far = passes < 0.9 * BALL_RADIUS || passes > 1.01 * BALL_RADIUS;
-                    is_far.then(|| solid.color(ray, &beyond))
+                let (error, compared) = worst(&drawn, 1e-4, |ray| {
+                    // Where rays meet the ball flatter than at 0.9 R, its error grows beyond all bounds; where the
+                    // place changes by more than a tenth of the height in a pixel, so does what it makes of it.
+                    (solid.way(ray).least_cosine > 0.44).then(|| solid.color(ray, &beyond))
                 });
                 // At 0.9 R the normal turns by 0.022 / (R cos 64°) = 0.003, and the ray by as much; the plane, seven
                 // tenths of the picture high, is 4 R away: 0.003 · 68 / 60 of the height.
@@ -304,9 +309,11 @@ fn clip_normal(ray: Ray, distance: f32) -> vec3f {
                     [48, 48],
                 );
                 let beyond = Beyond::new(&drawn.1, box_of(BALL), 2.0);
-                let (error, compared) = worst(&drawn, 1e-3, |ray| Some(solid.color(ray, &beyond)));
-                // As the ball's; a ray that is mirrored in the cut meets the ball at other angles.
-                assert!(error < 1e-2, "{backend} {form} {camera}: {error}");
+                let (error, compared) = worst(&drawn, 1e-4, |ray| {
+                    (solid.way(ray).least_cosine > 0.44).then(|| solid.color(ray, &beyond))
+                });
+                // As the ball's; a ray that is mirrored in the cut has met the ball twice.
+                assert!(error < 8e-3, "{backend} {form} {camera}: {error}");
                 assert!(compared > 900, "{compared}");
             }
         }
@@ -365,8 +372,11 @@ fn through_layers(
 }
 
 fn layers(backend: &str, form: &str, step: f64) -> (f64, usize) {
-    // Centre to centre the field is linear: u = z / 24. The index is 1 at both faces, so nothing is bent there.
-    let index = |u: f64| 1.0 + 0.5 * 4.0 * u * (1.0 - u);
+    // Centre to centre the field is linear: u = z / 24. The outermost voxels, whose gradients are one-sided, bend nothing.
+    let index = |u: f64| {
+        let inner = (24.0 * u - 2.0) / 20.0;
+        1.0 + 0.5 * (PI * inner.clamp(0.0, 1.0)).sin().powi(2)
+    };
     let points: String = (0..=1024)
         .map(|i| f64::from(i) / 1024.0)
         .map(|u| format!("({u:?}, {:?}),", index(u)))
@@ -383,7 +393,8 @@ fn layers(backend: &str, form: &str, step: f64) -> (f64, usize) {
                 r#"path: "v_49x49x25_float32.raw", node_centred: true"#,
                 "orbit(azimuth: 90, elevation: 45, projection: orthographic)",
                 PLACES,
-                MEDIUM,
+                // In f32: stored gradients are half floats.
+                r#"{ "technique": "refraction", "gradient": "central" }"#,
                 &format!(r#"{{ "step": {step:?} }}"#),
             ),
         );
@@ -401,10 +412,11 @@ fn layers(backend: &str, form: &str, step: f64) -> (f64, usize) {
 #[test]
 fn through_layers_the_sine_times_the_index_is_kept_and_the_error_is_of_order_two() {
     for backend in adapters() {
-        let steps = [4.0, 2.0, 1.0, 0.5];
+        let steps = [2.0, 1.0, 0.5, 0.25];
         let errors = steps.map(|step| layers(&backend, "compute", step));
+        eprintln!("{errors:?}");
         assert!(errors[0].1 > 60, "{errors:?}");
-        // A parabola of index: the scheme's error falls with the square of the step.
+        // The scheme's error falls with the square of the step.
         let logs: Vec<(f64, f64)> = steps
             .iter()
             .zip(errors)
@@ -416,7 +428,7 @@ fn through_layers_the_sine_times_the_index_is_kept_and_the_error_is_of_order_two
             / logs.iter().map(|p| (p.0 - x).powi(2)).sum::<f64>();
         assert!(slope > 1.8, "{backend}: order {slope}, {errors:?}");
         assert!(errors[3].0 < 1e-3, "{backend}: {errors:?}");
-        let fragment = layers(&backend, "fragment", 0.5).0;
+        let fragment = layers(&backend, "fragment", 0.25).0;
         assert!((fragment - errors[3].0).abs() < 1e-5);
     }
 }
@@ -432,15 +444,33 @@ fn in_a_parabolic_medium_rays_are_ellipses() {
     let colors = format!(
         "(domain: data, color: (1, 1, 1), extinction: [(0, 0), (896, 0)], refraction: [{points}])"
     );
-    // Corners of the box are at r² = 3 · 17² = 867, where n is still 1.03.
+    // Corners of the box are at r² = 3 · 17² = 867, where n is still 1.04.
     let value = |x: u32, y: u32, z: u32| {
         (DVec3::new(f64::from(x), f64::from(y), f64::from(z)) - 17.0).length_squared() as f32
     };
+    // The outermost voxels, whose gradients are one-sided, are cut off; the cut bends nothing.
+    let clip = r#"// Which part of the ray is visible: a box in the middle.
+#import "lib/volume.wgsl"
+
+fn clip_next(ray: Ray) -> vec2f {
+    let place = ray_world(ray, 0.0) - volume.centre;
+    let slope = select(ray.direction, vec3f(1.0e-20), abs(ray.direction) < vec3f(1.0e-20));
+    let first = min((-15.0 - place) / slope, (15.0 - place) / slope);
+    let last = max((-15.0 - place) / slope, (15.0 - place) / slope);
+    let start = max(max(max(first.x, first.y), first.z), 0.0);
+    return vec2f(start, max(min(min(last.x, last.y), last.z), start));
+}
+
+fn clip_normal(ray: Ray, distance: f32) -> vec3f {
+    return -ray.direction;
+}
+"#;
     for camera in [
         "orbit(azimuth: 33, elevation: 21, fov_y: 30)",
         "orbit(azimuth: 110, elevation: -35, projection: orthographic)",
     ] {
         let stage = Stage::new()
+            .with("slot/clip/inner.wgsl", clip)
             .with_floats("v", [35, 35, 35], value)
             .with("transfer.ron", &colors)
             .with(
@@ -449,14 +479,15 @@ fn in_a_parabolic_medium_rays_are_ellipses() {
                     r#"path: "v_35x35x35_float32.raw", node_centred: true"#,
                     camera,
                     PLACES,
-                    MEDIUM,
+                    r#"{ "technique": "refraction", "clip": "inner" }"#,
                     r#"{ "step": 0.5 }"#,
                 ),
             );
-        let (low, high) = (DVec3::ZERO, DVec3::splat(34.0));
+        let (low, high) = (DVec3::splat(2.0), DVec3::splat(32.0));
         for backend in adapters() {
             let drawn = render(&stage, &[], &backend, [32, 32]);
-            let beyond = Beyond::new(&drawn.1, (low, high), 2.0);
+            let whole = (DVec3::ZERO, DVec3::splat(34.0));
+            let beyond = Beyond::new(&drawn.1, whole, 2.0);
             let truth = |ray: (DVec3, DVec3)| {
                 let Some((near, _)) = volgraph_tests::box_interval(ray, low, high) else {
                     return Some(beyond.color(ray.0, ray.1));
@@ -468,7 +499,7 @@ fn in_a_parabolic_medium_rays_are_ellipses() {
                     (r * cosine + v * (sine / a), v * cosine - r * (sine * a))
                 };
                 // The first way out of the box: in steps that no corner is shorter than, then halved.
-                let is_out = |sigma: f64| at(sigma).0.abs().max_element() > 17.0;
+                let is_out = |sigma: f64| at(sigma).0.abs().max_element() > 15.0;
                 let mut high = 1e-3;
                 while !is_out(high) {
                     high += 1e-2;
@@ -485,9 +516,10 @@ fn in_a_parabolic_medium_rays_are_ellipses() {
                 let (place, momentum) = at(high);
                 Some(beyond.color(place + 17.0, momentum.normalize()))
             };
-            let (error, compared) = worst(&drawn, 1e-2, truth);
+            let (error, compared) = worst(&drawn, 1e-4, truth);
             // The trilinear square is too high by 0.75 at most, n too low by a² 0.75 / (2 n) < 1e-3, on a way of 40
             // voxels with the plane 100 voxels on: 1e-3 of the direction is 1e-3 · 100 / 60 of the height.
+            eprintln!("parabolic {error} {compared}");
             assert!(error < 3e-3, "{backend} {camera}: {error}");
             assert!(compared > 300, "{compared}");
         }

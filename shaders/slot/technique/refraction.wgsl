@@ -57,22 +57,21 @@ fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ra
 // behind. With n(r) d = v at the node, the direction before is that of v - a grad n, the one behind that of v + b grad n.
 fn technique_bend(state: ptr<function, TechniqueState>, ray: ptr<function, Ray>, segment: Segment) {
     let before = segment.length - (*state).ahead;
-    (*state).ahead = 0.0;
+    // The next segment is as long as this one, or ends where the box does. If it does not, its own end makes up for it.
+    let behind = 0.5 * min(segment.length, volume_exit(segment.back.position, (*ray).slope));
+    (*state).ahead = behind;
     let scalar = segment.back.scalar;
     let slope = refraction_slope(scalar, 0.5 * abs(scalar - segment.front.scalar));
     if slope == 0.0 {
         return;
     }
     let gradient = slope * gradient_at(segment.back.position);
-    // The next segment is as long as this one, or ends where the box does. If it does not, its own end makes up for it.
-    let behind = 0.5 * min(segment.length, volume_exit(segment.back.position, (*ray).slope));
     let direction = (*ray).direction;
     let index = refraction_index(scalar);
     let along = before * dot(direction, gradient);
     let square = along * along + index * index - before * before * dot(gradient, gradient);
     let momentum = (sqrt(max(square, 0.0)) - along) * direction + (before + behind) * gradient;
     let bent = momentum / max(length(momentum), 1.0e-20);
-    (*state).ahead = behind;
     // Less is the rounding of directions.
     if any(abs(bent - direction) > vec3f(1.0e-7)) && dot(bent, bent) > 0.5 {
         volume_bend_ray(ray, segment.start + segment.length, bent);
