@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use volgraph_graph::{
-    Demand, Inherited, InputPort, Mesh, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec,
-    Requirement, ResourceDesc, Size, SlotSpec, Uniform,
+    Demand, Inherited, InputPort, Mesh, NodeContext, NodeKind, OutputPort, Pass, PortType,
+    ProgramSpec, Requirement, ResourceDesc, Size, SlotSpec, Uniform,
 };
 use volgraph_optics::Domain;
 use volgraph_report::Finding;

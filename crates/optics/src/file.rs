@@ -158,7 +158,8 @@ pub(crate) fn parse(file: &Path, text: &str) -> Result<TransferFunction, Finding
     let (Some(colors), Some(absorption)) = (colors, absorption) else {
         return Err(findings);
     };
-    let range = explicit_range.unwrap_or_else(|| spanned(&colors, absorption.curve(), refraction.as_ref()));
+    let range =
+        explicit_range.unwrap_or_else(|| spanned(&colors, absorption.curve(), refraction.as_ref()));
     if !is_wide_enough(range) {
         // A range that the file states has been judged where it stands.
         if explicit_range.is_none() && !findings.has_errors() {

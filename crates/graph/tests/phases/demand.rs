@@ -152,8 +152,9 @@ fn parameters_and_inputs_are_taken_over_from_the_writer_unless_the_node_gives_it
     assert_eq!(node.params["one"], ParamValue::Float(7.0), "its own");
     assert_eq!(node.params["two"], ParamValue::Float(6.0), "the writer's");
     assert!(node.inputs.contains_key("volume"));
-    assert!(
-        !node.params.contains_key("amount"),
+    assert_ne!(
+        node.params.get("amount"),
+        Some(&ParamValue::Float(3.0)),
         "only what the slot's file declares"
     );
     // What the writer may not have either is the default; the writer's check reports it.

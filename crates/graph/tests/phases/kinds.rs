@@ -7,8 +7,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use volgraph_graph::{
-    Demand, Digest, Folders, Inherited, InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType,
-    ProgramSpec, Progress, Registry, Requirement, ResourceDesc, Size, SlotSpec, Source, SourceKind,
+    Demand, Digest, Folders, Inherited, InputPort, NodeContext, NodeKind, OutputPort, Pass,
+    PortType, ProgramSpec, Progress, Registry, Requirement, ResourceDesc, Size, SlotSpec, Source,
+    SourceKind,
 };
 use volgraph_report::{Finding, Findings};
 use volgraph_shader::{MemoryFiles, ParamSpec, ParamValue, ShaderRoots};
