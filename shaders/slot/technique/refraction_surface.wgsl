@@ -175,11 +175,15 @@ fn technique_meet(
 
 fn technique_finish(state: TechniqueState, ray: Ray) -> RayResult {
     let least = min(min(state.share.x, state.share.y), state.share.z);
+    let most = max(max(state.share.x, state.share.y), state.share.z);
+    let is_straight = ray.bends == 0u;
+    if is_straight && least == most {
+        return RayResult(vec4f(state.color, 1.0 - most), state.depth);
+    }
     let beyond = beyond_color(ray_world(ray, 0.0), ray.direction);
-    if ray.bends == 0u {
+    if is_straight {
         // What is straight behind is added to it by its opacity; here is what its colours have more than that.
         return RayResult(vec4f(state.color + (state.share - least) * beyond.xyz, 1.0 - least), state.depth);
     }
-    let most = max(max(state.share.x, state.share.y), state.share.z);
     return RayResult(vec4f(state.color + state.share * beyond.xyz, 1.0 - most + most * beyond.w), state.depth);
 }
