@@ -18,5 +18,9 @@ fn refraction_index(scalar: f32) -> f32 {
 fn refraction_slope(scalar: f32, reach: f32) -> f32 {
     // Below two entries the rounding of the entries shows.
     let used = max(reach, 2.0 / transfer.refraction_per_scalar);
+    // Most of a volume bends nothing; then the table need not be read.
+    if scalar + used < transfer.refraction_from || scalar - used > transfer.refraction_to {
+        return 0.0;
+    }
     return (refraction_index(scalar + used) - refraction_index(scalar - used)) / (2.0 * used);
 }

@@ -463,15 +463,22 @@ fn check_segments(node: &NodeContext<'_>) -> Result<(), Finding> {
     Ok(())
 }
 
+/// Beyond all scalars, in f32.
+const NO_SCALAR: f64 = 3.0e38;
+
 /// The members of the uniform `transfer` (see `lib/transfer.wgsl`).
 fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     let transfer = transfer_table::transfer(node, "transfer")?;
     let volume = placement::volume(node, "volume")?;
-    let (mut low, mut high) = transfer.range();
-    if transfer.domain() == Domain::Normalised {
+    let scalar = |at: f64| {
         let (from, to) = placement::normalised_range(volume);
-        (low, high) = (from + low * (to - from), from + high * (to - from));
-    }
+        match transfer.domain() {
+            Domain::Normalised => from + at * (to - from),
+            Domain::Data => at,
+        }
+    };
+    let (low, high) = transfer.range();
+    let (low, high) = (scalar(low), scalar(high));
     let voxel = volume.grid().min_spacing();
     let last = |port: &str, param: &str| {
         node.writer(port)
@@ -486,6 +493,12 @@ fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     // Shaders count scalars from the encoding's reference.
     let reference = placement::encoding(node)?.reference;
     let (low, span) = (low - reference, high - low);
+    // Of a transfer function that bends nothing, no scalar is between the two.
+    let (first_bent, last_bent) = transfer
+        .refraction_span()
+        .map_or((NO_SCALAR, -NO_SCALAR), |(first, last)| {
+            (scalar(first) - reference, scalar(last) - reference)
+        });
     let references_per_world = transfer.reference_length().extinction_per_world(voxel);
     Ok(vec![
         // The first and the last entry stand in the middle of their texels.
@@ -497,6 +510,8 @@ fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
         ("low", f32_value(low)),
         ("refraction_per_scalar", f32_value(refraction / span)),
         ("refraction_last", f32_value(refraction)),
+        ("refraction_from", f32_value(first_bent)),
+        ("refraction_to", f32_value(last_bent)),
         (
             "preintegration_per_scalar",
             f32_value(preintegration / span),

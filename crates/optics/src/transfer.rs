@@ -205,6 +205,17 @@ impl TransferFunction {
         self.refraction.as_ref().map_or(1.0, |curve| curve.at(s)[0])
     }
 
+    /// The first and the last scalar between which the refractive index changes at all; `None` where it is the same
+    /// everywhere.
+    #[must_use]
+    pub fn refraction_span(&self) -> Option<(f64, f64)> {
+        let points = self.refraction.as_ref()?.points();
+        let changes = |pair: &&[(f64, [f64; 1])]| pair[0].1 != pair[1].1;
+        let first = points.windows(2).find(changes)?;
+        let last = points.windows(2).rfind(changes)?;
+        Some((first[0].0, last[1].0))
+    }
+
     /// The scalars, rising, each once, between which colour and extinction are smooth: the control points, the
     /// samples of a colour map, and where a rising opacity meets its cap. They may lie outside the range.
     #[must_use]

@@ -304,6 +304,10 @@ fn the_refractive_index_is_linear_between_points_and_1_where_none_is_given() {
     for (s, index) in [(-9.0, 1.0), (0.0, 1.5), (1.0, 1.5), (9.0, 1.5)] {
         assert_eq!(glass.refractive_index(s), index, "at {s}");
     }
+    assert_eq!(glass.refraction_span(), Some((-1.0, 1.0)));
+    assert_eq!(plain.refraction_span(), None);
+    let flat = parse(&format!("{base}, refraction: [(0, 1.5), (1, 1.5)])")).unwrap();
+    assert_eq!(flat.refraction_span(), None);
     let table = glass.refraction_table(1025).unwrap();
     assert_eq!((table[0], table[256], table[1024]), (1.0, 1.5, 1.5));
     assert!(matches!(
