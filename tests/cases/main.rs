@@ -13,3 +13,5 @@ mod memory_of_work;
 mod plans;
 mod rebuilds;
 mod refraction;
+mod refraction_behind;
+mod refraction_media;
