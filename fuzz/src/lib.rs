@@ -128,6 +128,10 @@ pub fn transfer(data: &[u8]) {
     let pairs = transfer
         .preintegrated_table(64, 0.5)
         .expect("a table of a usual size");
+    let indices = transfer
+        .refraction_table(1024)
+        .expect("a table of a usual size");
+    assert!(indices.iter().all(|index| (1.0..=4.0).contains(index)));
     for entry in post.entries.iter().chain(&pairs.entries) {
         assert!(
             entry.iter().all(|value| value.is_finite() && *value >= 0.0),

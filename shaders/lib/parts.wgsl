@@ -47,6 +47,7 @@ fn parts_next(parts: ptr<function, Parts>, ray: ptr<function, Ray>) -> bool {
     *ray = ray_between(rest, 0.0, stretch.end);
     (*ray).cut_normal = cut_normal;
     (*ray).label = stretch.label;
+    (*ray).visible_end = (*parts).visible_end;
     (*parts).rest = ray_between(rest, stretch.end, rest.far - rest.near);
     // The next part, if it begins here, begins where the label changes.
     (*parts).rest.cut_normal = stretch.normal;

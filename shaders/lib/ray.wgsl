@@ -15,6 +15,8 @@ struct Ray {
     cut_normal: vec3f,
     // What the part of the volume is that the ray runs through, by the `labels`; 0 where there are none.
     label: u32,
+    // World distance from the origin where the cut, or the face of the box, is that ends what is visible here.
+    visible_end: f32,
     // How often the ray has changed its direction.
     bends: u32,
 }

@@ -66,8 +66,17 @@ fn volume_face_normal(ray: Ray) -> vec3f {
     return normalize(normal.xyz);
 }
 
+// World distance from a position (texture coordinates) in the box to where it is left along a slope (texture coordinates
+// per world unit).
+fn volume_exit(position: vec3f, given: vec3f) -> f32 {
+    let slope = select(given, vec3f(1.0e-20), abs(given) < vec3f(1.0e-20));
+    let last = max((volume.box_low - position) / slope, (volume.box_high - position) / slope);
+    return max(min(min(last.x, last.y), last.z), 0.0);
+}
+
 // Bends a ray at a world distance from its entry into another world direction (unit). It goes on there; its distances
-// go on counting the way that it has come.
+// go on counting the way that it has come. What is behind it is no longer what is behind its pixel: a technique that
+// bends rays lays it under their colour itself (`beyond_color`).
 fn volume_bend_ray(ray: ptr<function, Ray>, distance: f32, direction: vec3f) {
     let at = ray_world(*ray, distance);
     let near = (*ray).near + distance;
@@ -77,9 +86,7 @@ fn volume_bend_ray(ray: ptr<function, Ray>, distance: f32, direction: vec3f) {
     bent.origin = at - near * direction;
     bent.near = near;
     bent.slope = (volume.texture_from_world * vec4f(direction, 0.0)).xyz;
-    let slope = select(bent.slope, vec3f(1.0e-20), abs(bent.slope) < vec3f(1.0e-20));
-    let last = max((volume.box_low - bent.entry) / slope, (volume.box_high - bent.entry) / slope);
-    bent.far = near + max(min(min(last.x, last.y), last.z), 0.0);
+    bent.far = near + volume_exit(bent.entry, bent.slope);
     bent.cut_normal = vec3f(0.0);
     bent.bends += 1u;
     *ray = bent;

@@ -65,7 +65,9 @@ fn raycast_pixel(pixel: vec2f) -> Shown {
 
 fn raycast_write(shown: Shown, pixel: vec2i) {
     let color = shown.result.color;
-    textureStore(color_out, pixel, color + (1.0 - color.w) * behind_color(pixel));
+    // A bent ray has left its pixel: what is behind it is in its colour already.
+    let open_share = select(1.0 - color.w, 0.0, shown.ray.bends > 0u);
+    textureStore(color_out, pixel, color + open_share * behind_color(pixel));
     depth_layer(shown, pixel);
     opacity_layer(shown, pixel);
     position_layer(shown, pixel);

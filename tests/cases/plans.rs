@@ -28,7 +28,7 @@ fn stage(slots: &str, background: &str) -> Stage {
         )
 }
 
-fn plan(stage: &Stage, sets: &[&str]) -> Plan {
+pub fn plan(stage: &Stage, sets: &[&str]) -> Plan {
     try_plan(stage, sets, &Limits::default()).unwrap()
 }
 

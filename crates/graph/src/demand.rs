@@ -15,7 +15,7 @@ use volgraph_report::{Finding, Findings, Place};
 
 use crate::desc::ParamDesc;
 use crate::graph::{Graph, Link, Node, NodeBody, NodeId, Origin, Program};
-use crate::kind::{Demand, ProgramSpec, Requirement};
+use crate::kind::{Demand, Inherited, ProgramSpec, Requirement};
 use crate::limits::Limits;
 use crate::node_context::NodeContext;
 use crate::registry::Registry;
@@ -55,6 +55,9 @@ pub fn demand(
         graph.nodes[id].program = Some(program.clone());
         let specs = graph.nodes[id].specs();
         graph.nodes[id].fill_params(&specs);
+        for inherited in &program.spec.inherited {
+            inherit(&mut graph, id, &program, inherited);
+        }
         call_for(
             &mut graph,
             id,
@@ -66,6 +69,38 @@ pub fn demand(
         is_done.resize(graph.nodes.len(), false);
     }
     findings.into_result(graph)
+}
+
+/// Takes over what the writer at a port was given. It is not linked yet, so its values are looked at here: one that
+/// does not fit is reported where the writer itself is checked.
+fn inherit(graph: &mut Graph, id: NodeId, program: &Program, inherited: &Inherited) {
+    let (Some(file), Some(link)) = (
+        program.module.linked.slots_used.get(inherited.slot),
+        graph.nodes[id].inputs.get(inherited.port),
+    ) else {
+        return;
+    };
+    let writer = link.node;
+    for spec in program.module.params() {
+        let is_declared_there = spec.place.as_ref().is_some_and(|place| place.file == *file);
+        if !is_declared_there || graph.nodes[id].given.contains_key(&spec.name) {
+            continue;
+        }
+        let given = graph.nodes[writer].given.get(&spec.name);
+        if let Some(value) = given.and_then(|given| spec.check(&given.value).ok()) {
+            graph.nodes[id].params.insert(spec.name.clone(), value);
+        }
+    }
+    for port in inherited.inputs {
+        let theirs = graph.nodes[writer].inputs.get(*port).cloned();
+        if let (Some(theirs), false) = (theirs, graph.nodes[id].inputs.contains_key(*port)) {
+            let link = Link {
+                place: None,
+                ..theirs
+            };
+            graph.nodes[id].inputs.insert((*port).to_owned(), link);
+        }
+    }
 }
 
 /// A node that is not done and whose readers all are; any one where a cycle leaves no such node.

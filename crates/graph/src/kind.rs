@@ -131,6 +131,22 @@ pub struct ProgramSpec {
     pub fixed_slots: BTreeMap<String, String>,
     /// The entry points that this node may run.
     pub entries: Vec<&'static str>,
+    /// What the node takes over from its writers, where its shader imports it.
+    pub inherited: Vec<Inherited>,
+}
+
+/// Parameters and inputs that a node takes over from the writer at an input port, because both import the same slot:
+/// a raycast whose rays see the pattern of the background behind it, say.
+///
+/// Only where the slot is imported; what the graph gives the node itself goes before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Inherited {
+    /// The slot: all parameters that are declared in the file that fills it are taken over.
+    pub slot: &'static str,
+    /// The input port.
+    pub port: &'static str,
+    /// Input ports of this node that are connected as the writer's of the same name are.
+    pub inputs: &'static [&'static str],
 }
 
 /// The members of a uniform by name. A shader's struct may declare fewer.

@@ -48,6 +48,12 @@ impl<'g> NodeContext<'g> {
         &self.node().name
     }
 
+    /// The name of its kind, or the source's type.
+    #[must_use]
+    pub fn kind_name(&self) -> String {
+        self.node().kind_name()
+    }
+
     /// What the device can do.
     #[must_use]
     pub fn limits(&self) -> &'g Limits {

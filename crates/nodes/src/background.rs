@@ -68,6 +68,7 @@ impl NodeKind for Background {
             root: "node/background.wgsl",
             fixed_slots: [("pattern".to_owned(), node.text("pattern").to_owned())].into(),
             entries: vec!["background_compute"],
+            inherited: Vec::new(),
         })
     }
 

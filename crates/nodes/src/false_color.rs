@@ -70,6 +70,7 @@ impl NodeKind for FalseColor {
         Some(ProgramSpec {
             root: "node/false_color.wgsl",
             fixed_slots: Default::default(),
+            inherited: Vec::new(),
             entries: vec!["false_color_compute"],
         })
     }

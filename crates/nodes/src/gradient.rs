@@ -93,6 +93,7 @@ impl NodeKind for Gradient {
             root: "node/gradient.wgsl",
             fixed_slots: [placement::filter_slot(node)].into(),
             entries: vec!["gradient_compute"],
+            inherited: Vec::new(),
         })
     }
 

@@ -13,6 +13,7 @@ pub mod placement;
 pub mod preintegration;
 pub mod proxy_box;
 pub mod raycast;
+pub mod refraction_table;
 pub mod source;
 pub mod transfer_table;
 pub mod volume_texture;
@@ -35,6 +36,7 @@ pub fn registry() -> Registry {
         .add_node(gradient::Gradient)
         .add_node(transfer_table::TransferTable)
         .add_node(preintegration::Preintegration)
+        .add_node(refraction_table::RefractionTable)
         .add_node(image_texture::ImageTexture)
         .add_node(false_color::FalseColor);
     registry

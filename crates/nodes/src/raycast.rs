@@ -3,14 +3,15 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use volgraph_graph::{
-    Demand, InputPort, Mesh, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec,
-    Requirement, ResourceDesc, Size, SlotSpec, Uniform,
+    Demand, Inherited, InputPort, Mesh, NodeContext, NodeKind, OutputPort, Pass, PortType,
+    ProgramSpec, Requirement, ResourceDesc, Size, SlotSpec, Uniform,
 };
 use volgraph_optics::Domain;
 use volgraph_report::Finding;
 use volgraph_shader::{ParamSpec, UniformValue};
 use wgpu_types::TextureFormat;
 
+use crate::background::Background;
 use crate::placement::{self, f32_value};
 use crate::{preintegration, proxy_box, transfer_table, volume_texture};
 
@@ -41,6 +42,23 @@ const INPUTS: &[InputPort] = &[
         ty: PortType::Color,
         requirement: Requirement::Optional,
         doc: "What lies behind the volume; nothing where it is open.",
+    },
+    InputPort {
+        name: "image",
+        ty: PortType::Image,
+        requirement: Requirement::Optional,
+        doc: "The image of the pattern that bent rays see; where it is open, that of the background behind.",
+    },
+    InputPort {
+        name: "image_texture",
+        ty: PortType::ImageTexture,
+        requirement: Requirement::Demanded(Demand {
+            kind: "image_texture",
+            inputs: &[("image", "image")],
+            params: &[],
+            slots: &[],
+        }),
+        doc: "That image on the device.",
     },
     InputPort {
         name: "volume_texture",
@@ -77,6 +95,17 @@ const INPUTS: &[InputPort] = &[
             slots: &[],
         }),
         doc: "The transfer function as a table.",
+    },
+    InputPort {
+        name: "refraction_table",
+        ty: PortType::Table1d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "refraction_table",
+            inputs: &[("transfer", "transfer")],
+            params: &[("table_size", "table_size")],
+            slots: &[],
+        }),
+        doc: "The transfer function's refractive index as a table.",
     },
     InputPort {
         name: "preintegration_table",
@@ -208,6 +237,28 @@ const SLOTS: &[SlotSpec] = &[
     },
 ];
 
+/// Rays that a technique bends see the pattern of the background behind, with its parameters and its image.
+const BEYOND: Inherited = Inherited {
+    slot: "pattern",
+    port: "behind",
+    inputs: &["image"],
+};
+
+/// How rays that a technique bends look up what is behind: the pattern of a background in all directions, of another
+/// node its picture. Only techniques that bend rays import these slots.
+fn beyond_slots(node: &NodeContext<'_>) -> Vec<(String, String)> {
+    let slot = |name: &str, choice: &str| (name.to_owned(), choice.to_owned());
+    match node.writer("behind") {
+        // The pattern is for whoever checks the shaders of `beyond` alone.
+        None => vec![slot("beyond", "none"), slot("pattern", "uniform")],
+        Some(writer) if writer.kind_name() == Background.name() => vec![
+            slot("beyond", "pattern"),
+            slot("pattern", writer.text("pattern")),
+        ],
+        Some(_) => vec![slot("beyond", "picture")],
+    }
+}
+
 /// What the depth holds where the ray shows nothing (`RAY_NO_DEPTH` in `lib/ray.wgsl`).
 pub const NO_DEPTH: f32 = 3.0e38;
 
@@ -276,10 +327,12 @@ impl NodeKind for Raycast {
             ("behind".to_owned(), behind.to_owned()),
             placement::filter_slot(node),
         ]);
+        fixed_slots.extend(beyond_slots(node));
         Some(ProgramSpec {
             root: "node/raycast.wgsl",
             fixed_slots,
             entries,
+            inherited: vec![BEYOND],
         })
     }
 
@@ -377,6 +430,7 @@ fn tile(node: &NodeContext<'_>) -> Result<Option<[u32; 4]>, Finding> {
 fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
     for (port, param) in [
         ("transfer_table", "table_size"),
+        ("refraction_table", "table_size"),
         ("preintegration_table", "preintegration_size"),
     ] {
         if let Some(writer) = node.writer(port)
@@ -433,22 +487,29 @@ fn check_refinement(node: &NodeContext<'_>) -> Result<(), Finding> {
     }
     Ok(())
 }
+/// Beyond all scalars, in f32.
+const NO_SCALAR: f64 = 3.0e38;
 
 /// The members of the uniform `transfer` (see `lib/transfer.wgsl`).
 fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     let transfer = transfer_table::transfer(node, "transfer")?;
     let volume = placement::volume(node, "volume")?;
-    let (mut low, mut high) = transfer.range();
-    if transfer.domain() == Domain::Normalised {
+    let scalar = |at: f64| {
         let (from, to) = placement::normalised_range(volume);
-        (low, high) = (from + low * (to - from), from + high * (to - from));
-    }
+        match transfer.domain() {
+            Domain::Normalised => from + at * (to - from),
+            Domain::Data => at,
+        }
+    };
+    let (low, high) = transfer.range();
+    let (low, high) = (scalar(low), scalar(high));
     let voxel = volume.grid().min_spacing();
     let last = |port: &str, param: &str| {
         node.writer(port)
             .map_or(1.0, |writer| f64::from(writer.uint(param).max(2) - 1))
     };
     let entries = last("transfer_table", "table_size");
+    let refraction = last("refraction_table", "table_size");
     let preintegration = last("preintegration_table", "preintegration_size");
     let preintegration_step = node
         .writer("preintegration_table")
@@ -456,6 +517,12 @@ fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     // Shaders count scalars from the encoding's reference.
     let reference = placement::encoding(node)?.reference;
     let (low, span) = (low - reference, high - low);
+    // Of a transfer function that bends nothing, no scalar is between the two.
+    let (first_bent, last_bent) = transfer
+        .refraction_span()
+        .map_or((NO_SCALAR, -NO_SCALAR), |(first, last)| {
+            (scalar(first) - reference, scalar(last) - reference)
+        });
     let references_per_world = transfer.reference_length().extinction_per_world(voxel);
     Ok(vec![
         // The first and the last entry stand in the middle of their texels.
@@ -465,6 +532,10 @@ fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
             f32_value((0.5 - low * entries / span) / (entries + 1.0)),
         ),
         ("low", f32_value(low)),
+        ("refraction_per_scalar", f32_value(refraction / span)),
+        ("refraction_last", f32_value(refraction)),
+        ("refraction_from", f32_value(first_bent)),
+        ("refraction_to", f32_value(last_bent)),
         (
             "preintegration_per_scalar",
             f32_value(preintegration / span),

@@ -23,6 +23,8 @@
 //!     // or colour and opacity apart:
 //!     color: map(name: "viridis", from: 0.2, to: 0.9, reversed: false),
 //!     opacity: [(0.0, 0.0), (1.0, 0.8)],
+//!
+//!     refraction: [(0.0, 1.0), (1.0, 1.5)],   // with either form: the refractive index, 1 where it is left out
 //! )
 //! ```
 //!
@@ -33,6 +35,8 @@
 //! - `opacity:` is a list `[(at, opacity), …]` with opacities of 0 to 1, interpolated linearly **in opacity**
 //!   and then converted; `extinction:` in its place is a list `[(at, extinction per reference length), …]`
 //!   interpolated linearly **in extinction**. In `points`, all points give the same one of the two.
+//! - `refraction:` is a list `[(at, refractive index), …]` with indices of 1 to 4, interpolated linearly. Only
+//!   techniques that bend rays look at it. Its positions count for the range as all others do.
 //! - Positions do not decrease. Two points at one position make a step, and the later one holds there. Beyond
 //!   the first and last point their values hold. One point alone is a constant.
 //! - With `domain: data` the tables span the first to the last position given, a map's `from` and `to`
@@ -59,7 +63,7 @@ mod write;
 
 use color_field::{ColorField, lay_out, read_color_field};
 use head::{read_domain, read_reference_length};
-use points::{read_extinction, read_opacity, read_pairs, read_points};
+use points::{read_extinction, read_index, read_opacity, read_pairs, read_points};
 pub(crate) use write::write;
 
 /// Longest text that is read.
@@ -103,12 +107,16 @@ pub(crate) fn parse(file: &Path, text: &str) -> Result<TransferFunction, Finding
     let color = fields.take("color");
     let opacity = fields.take("opacity");
     let extinction = fields.take("extinction");
+    let refraction = fields.take("refraction");
     fields.finish(&mut findings);
     let conflict = |value: &Value<'_>, message: &str| {
         value
             .error("exclusive-fields", message)
             .help("give `points`, or `color` with `opacity` or `extinction`")
     };
+    let refraction = refraction
+        .and_then(|value| read_pairs(&mut findings, &value, explicit_range, read_index))
+        .map(Curve::new);
     let (colors, absorption) = if let Some(points) = &points {
         for other in [&color, &opacity, &extinction].into_iter().flatten() {
             findings.push(conflict(other, "`points` already gives colour and opacity"));
@@ -150,7 +158,8 @@ pub(crate) fn parse(file: &Path, text: &str) -> Result<TransferFunction, Finding
     let (Some(colors), Some(absorption)) = (colors, absorption) else {
         return Err(findings);
     };
-    let range = explicit_range.unwrap_or_else(|| spanned(&colors, absorption.curve()));
+    let range =
+        explicit_range.unwrap_or_else(|| spanned(&colors, absorption.curve(), refraction.as_ref()));
     if !is_wide_enough(range) {
         // A range that the file states has been judged where it stands.
         if explicit_range.is_none() && !findings.has_errors() {
@@ -173,6 +182,7 @@ pub(crate) fn parse(file: &Path, text: &str) -> Result<TransferFunction, Finding
         reference_length,
         color,
         absorption,
+        refraction,
     })
 }
 
@@ -183,7 +193,11 @@ fn missing(whole: &Place, name: &str, help: &str) -> Finding {
 }
 
 /// First and last position of all that is given.
-fn spanned(colors: &ColorField, absorption: &Curve<1>) -> (f64, f64) {
+fn spanned(
+    colors: &ColorField,
+    absorption: &Curve<1>,
+    refraction: Option<&Curve<1>>,
+) -> (f64, f64) {
     let of_colors: Vec<f64> = match colors {
         // One colour for all scalars has no place of its own.
         ColorField::Curve(points) if points.len() == 1 => Vec::new(),
@@ -193,6 +207,7 @@ fn spanned(colors: &ColorField, absorption: &Curve<1>) -> (f64, f64) {
     absorption
         .points()
         .iter()
+        .chain(refraction.into_iter().flat_map(Curve::points))
         .map(|(at, _)| *at)
         .chain(of_colors)
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), at| {

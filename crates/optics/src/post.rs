@@ -23,16 +23,7 @@ impl TransferFunction {
     /// # Errors
     /// [`OpticsError::TableSize`].
     pub fn post_table(&self, n: u32) -> Result<PostTable, OpticsError> {
-        let (min, max) = (PostTable::MIN_SIZE, PostTable::MAX_SIZE);
-        if !(min..=max).contains(&n) {
-            let table = "post-classification";
-            return Err(OpticsError::TableSize {
-                table,
-                asked: n,
-                min,
-                max,
-            });
-        }
+        check_size("post-classification", n)?;
         let entry = |i| {
             let s = node(self.range(), n, i);
             let [r, g, b] = self.color(s).map(|c| c as f32);
@@ -42,6 +33,30 @@ impl TransferFunction {
             entries: (0..n).map(entry).collect(),
         })
     }
+
+    /// The refractive index at even places over the range, as many and at the same scalars as in
+    /// [`post_table`](Self::post_table).
+    ///
+    /// # Errors
+    /// [`OpticsError::TableSize`].
+    pub fn refraction_table(&self, n: u32) -> Result<Vec<f32>, OpticsError> {
+        check_size("refraction", n)?;
+        let entry = |i| self.refractive_index(node(self.range(), n, i)) as f32;
+        Ok((0..n).map(entry).collect())
+    }
+}
+
+fn check_size(table: &'static str, asked: u32) -> Result<(), OpticsError> {
+    let (min, max) = (PostTable::MIN_SIZE, PostTable::MAX_SIZE);
+    if (min..=max).contains(&asked) {
+        return Ok(());
+    }
+    Err(OpticsError::TableSize {
+        table,
+        asked,
+        min,
+        max,
+    })
 }
 
 /// The scalar of entry `i` of `n ≥ 2`; the last is exactly the range's end.

@@ -106,6 +106,8 @@ pub struct TransferFunction {
     pub(crate) reference_length: ReferenceLength,
     pub(crate) color: ColorSource,
     pub(crate) absorption: Absorption,
+    /// `None` where the file has none: 1 everywhere.
+    pub(crate) refraction: Option<Curve<1>>,
 }
 
 impl TransferFunction {
@@ -195,6 +197,23 @@ impl TransferFunction {
     #[must_use]
     pub fn opacity(&self, s: f64) -> f64 {
         opacity_from_extinction(self.extinction(s))
+    }
+
+    /// Refractive index of a scalar, 1 to 4; at a step the later point's. 1 where the file does not say.
+    #[must_use]
+    pub fn refractive_index(&self, s: f64) -> f64 {
+        self.refraction.as_ref().map_or(1.0, |curve| curve.at(s)[0])
+    }
+
+    /// The first and the last scalar between which the refractive index changes at all; `None` where it is the same
+    /// everywhere.
+    #[must_use]
+    pub fn refraction_span(&self) -> Option<(f64, f64)> {
+        let points = self.refraction.as_ref()?.points();
+        let changes = |pair: &&[(f64, [f64; 1])]| pair[0].1 != pair[1].1;
+        let first = points.windows(2).find(changes)?;
+        let last = points.windows(2).rfind(changes)?;
+        Some((first[0].0, last[1].0))
     }
 
     /// The scalars, rising, each once, between which colour and extinction are smooth: the control points, the

@@ -49,9 +49,17 @@ fn valid_text() -> impl Strategy<Value = String> {
     let length = (1e-3..1e3, any::<bool>()).prop_map(|(l, world): (f64, bool)| {
         format!("({}: {l:?})", if world { "world" } else { "voxels" })
     });
-    (domain, length, colors, absorption).prop_map(|(domain, length, colors, absorption)| {
-        format!("(domain: {domain}, reference_length: {length}, color: {colors}, {absorption})")
-    })
+    let refraction = proptest::option::of(curve_of(
+        (1.0..=4.0).prop_map(|n: f64| format!("{n:?}")).boxed(),
+    ))
+    .prop_map(|list| list.map_or_else(String::new, |list| format!(", refraction: {list}")));
+    (domain, length, colors, absorption, refraction).prop_map(
+        |(domain, length, colors, absorption, refraction)| {
+            format!(
+                "(domain: {domain}, reference_length: {length}, color: {colors}, {absorption}{refraction})"
+            )
+        },
+    )
 }
 
 proptest! {
@@ -64,7 +72,7 @@ proptest! {
     fn no_text_of_known_words_panics(words in proptest::collection::vec(prop_oneof![
         Just("("), Just(")"), Just("["), Just("]"), Just(","), Just(":"), Just("points:"), Just("color:"),
         Just("opacity:"), Just("at:"), Just("map"), Just("name:"), Just("\"gray\""), Just("\"#\u{e9}\""),
-        Just("1e400"), Just("-0.0"), Just("NaN"), Just("domain:"), Just("data"), Just("0"), Just("1"),
+        Just("1e400"), Just("-0.0"), Just("NaN"), Just("domain:"), Just("data"), Just("refraction:"), Just("0"), Just("1"),
     ], 0..40)) {
         let _ = parse(&format!("({})", words.concat()));
     }

@@ -290,6 +290,42 @@ fn the_post_table_samples_evenly_to_both_ends() {
 }
 
 #[test]
+fn the_refractive_index_is_linear_between_points_and_1_where_none_is_given() {
+    let base = "(domain: data, color: (1, 1, 1), opacity: [(0, 0), (1, 1)]";
+    let plain = parse(&format!("{base})")).unwrap();
+    assert_eq!(plain.refractive_index(0.3), 1.0);
+    assert!(!plain.to_ron().contains("refraction"));
+    // Its positions widen the range; a step takes the later value.
+    let glass = parse(&format!(
+        "{base}, refraction: [(-1, 1), (1, 2), (1, 1.5), (3, 1.5)])"
+    ))
+    .unwrap();
+    assert_eq!(glass.range(), (-1.0, 3.0));
+    for (s, index) in [(-9.0, 1.0), (0.0, 1.5), (1.0, 1.5), (9.0, 1.5)] {
+        assert_eq!(glass.refractive_index(s), index, "at {s}");
+    }
+    assert_eq!(glass.refraction_span(), Some((-1.0, 1.0)));
+    assert_eq!(plain.refraction_span(), None);
+    let flat = parse(&format!("{base}, refraction: [(0, 1.5), (1, 1.5)])")).unwrap();
+    assert_eq!(flat.refraction_span(), None);
+    let table = glass.refraction_table(1025).unwrap();
+    assert_eq!((table[0], table[256], table[1024]), (1.0, 1.5, 1.5));
+    assert!(matches!(
+        glass.refraction_table(7),
+        Err(OpticsError::TableSize { .. })
+    ));
+    for (list, code) in [
+        ("[(0, 0.9)]", "out-of-range"),
+        ("[(0, 4.1)]", "out-of-range"),
+        ("[]", "no-points"),
+        ("1.5", "wrong-type"),
+        ("[(1, 1.5), (0, 1)]", "decreasing"),
+    ] {
+        assert_eq!(codes(&format!("{base}, refraction: {list})")), [code]);
+    }
+}
+
+#[test]
 fn reference_lengths_turn_extinction_into_world_units() {
     // Opacity 0.5 for two voxels of 0.25: the same over half a world unit.
     let transfer =
@@ -310,6 +346,7 @@ fn the_digest_sees_every_part() {
         ("(1, 1, 1)", "(1, 1, 0.5)"),
         ("0.5)", "0.25)"),
         ("opacity", "extinction"),
+        ("0.5)]", "0.5)], refraction: [(0, 1)]"),
     ] {
         assert_ne!(
             digest(base),

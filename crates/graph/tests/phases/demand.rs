@@ -133,3 +133,36 @@ fn what_cannot_be_called_for_is_told() {
         "where the graph chooses"
     );
 }
+
+#[test]
+fn parameters_and_inputs_are_taken_over_from_the_writer_unless_the_node_gives_its_own() {
+    let nodes = |own: &str, light: &str| {
+        format!(
+            "\"q\": (kind: \"paint\", in: {{ \"volume\": \"f\" }}, slots: {{ \"light\": \"over_with_params\" }}, \
+             params: {{ \"one\": 5.0, \"two\": 6.0, \"amount\": 3.0 }}), \
+             \"p\": (kind: \"mirror\", in: {{ \"behind\": \"q\" }}, slots: {{ \"light\": \"{light}\" }}, params: {{ {own} }}),"
+        )
+    };
+    let mirror = |own: &str, light: &str| {
+        let graph = demand(&graph_text(&nodes(own, light), "\"color\": \"p\"")).unwrap();
+        let id = id(&graph, "p");
+        graph.nodes[id].clone()
+    };
+    let node = mirror("\"one\": 7.0", "over_with_params");
+    assert_eq!(node.params["one"], ParamValue::Float(7.0), "its own");
+    assert_eq!(node.params["two"], ParamValue::Float(6.0), "the writer's");
+    assert!(node.inputs.contains_key("volume"));
+    assert_ne!(
+        node.params.get("amount"),
+        Some(&ParamValue::Float(3.0)),
+        "only what the slot's file declares"
+    );
+    // What the writer may not have either is the default; the writer's check reports it.
+    let text = nodes("", "over_with_params").replace("6.0", "60.0");
+    let graph = demand(&graph_text(&text, "\"color\": \"p\"")).unwrap();
+    let params = &graph.nodes[id(&graph, "p")].params;
+    assert_eq!(params["two"], ParamValue::Float(2.0));
+    // A choice without parameters takes over none.
+    let node = mirror("", "over");
+    assert!(!node.params.contains_key("two"));
+}

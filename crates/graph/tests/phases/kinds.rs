@@ -7,8 +7,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use volgraph_graph::{
-    Demand, Digest, Folders, InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType,
-    ProgramSpec, Progress, Registry, Requirement, ResourceDesc, Size, SlotSpec, Source, SourceKind,
+    Demand, Digest, Folders, Inherited, InputPort, NodeContext, NodeKind, OutputPort, Pass,
+    PortType, ProgramSpec, Progress, Registry, Requirement, ResourceDesc, Size, SlotSpec, Source,
+    SourceKind,
 };
 use volgraph_report::{Finding, Findings};
 use volgraph_shader::{MemoryFiles, ParamSpec, ParamValue, ShaderRoots};
@@ -79,6 +80,14 @@ pub fn shaders() -> ShaderRoots {
             light(
                 "@group(0) @binding(1) var behind: texture_2d<f32>;",
                 "textureLoad(behind, vec2i(0), 0)",
+            ),
+        ),
+        (
+            "over_with_params",
+            light(
+                "struct Params {\n  /// One. @default 1 @range 0 9\n  one: f32,\n  /// Two. @default 2 @range 0 9\n  two: f32,\n}\n\
+                 @group(0) @binding(1) var behind: texture_2d<f32>;",
+                "params.one * params.two * textureLoad(behind, vec2i(0), 0)",
             ),
         ),
         (
@@ -174,9 +183,10 @@ pub struct Fake {
     pub size: Size,
     pub dimensions: u8,
     pub follows_camera: bool,
+    pub inherited: &'static [Inherited],
 }
 
-const FAKES: [Fake; 7] = [
+const FAKES: [Fake; 8] = [
     Fake {
         name: "paint",
         inputs: &[
@@ -208,6 +218,29 @@ const FAKES: [Fake; 7] = [
         size: Size::ViewRelative(1.0),
         dimensions: 2,
         follows_camera: false,
+        inherited: &[],
+    },
+    Fake {
+        name: "mirror",
+        inputs: &[
+            input("volume", PortType::Volume, Requirement::Optional),
+            input("behind", PortType::Color, Requirement::Optional),
+        ],
+        outputs: &[output("color", PortType::Color)],
+        slots: &[SlotSpec {
+            name: "light",
+            default: "flat",
+            doc: "How is it lit?",
+        }],
+        shader: Some(("node/paint.wgsl", "paint")),
+        size: Size::ViewRelative(1.0),
+        dimensions: 2,
+        follows_camera: false,
+        inherited: &[Inherited {
+            slot: "light",
+            port: "behind",
+            inputs: &["volume"],
+        }],
     },
     Fake {
         name: "table",
@@ -225,6 +258,7 @@ const FAKES: [Fake; 7] = [
         size: Size::Absolute([64, 1, 1]),
         dimensions: 2,
         follows_camera: false,
+        inherited: &[],
     },
     Fake {
         name: "outer",
@@ -247,6 +281,7 @@ const FAKES: [Fake; 7] = [
         size: Size::Absolute([8, 8, 1]),
         dimensions: 2,
         follows_camera: false,
+        inherited: &[],
     },
     Fake {
         name: "upload",
@@ -257,6 +292,7 @@ const FAKES: [Fake; 7] = [
         size: Size::Absolute([8, 8, 8]),
         dimensions: 3,
         follows_camera: false,
+        inherited: &[],
     },
     Fake {
         name: "half",
@@ -267,6 +303,7 @@ const FAKES: [Fake; 7] = [
         size: Size::InputRelative("image", 0.5),
         dimensions: 2,
         follows_camera: false,
+        inherited: &[],
     },
     Fake {
         name: "overlay",
@@ -280,6 +317,7 @@ const FAKES: [Fake; 7] = [
         size: Size::ViewRelative(1.0),
         dimensions: 2,
         follows_camera: true,
+        inherited: &[],
     },
     Fake {
         name: "headless",
@@ -290,6 +328,7 @@ const FAKES: [Fake; 7] = [
         size: Size::ViewRelative(1.0),
         dimensions: 2,
         follows_camera: false,
+        inherited: &[],
     },
 ];
 
@@ -337,6 +376,7 @@ impl NodeKind for Fake {
             root,
             fixed_slots: BTreeMap::new(),
             entries: vec![entry],
+            inherited: self.inherited.to_vec(),
         })
     }
 

@@ -13,6 +13,9 @@ const MAX_POINTS: usize = 4096;
 /// Largest extinction per reference length; past it one step is opaque whatever its length.
 const MAX_EXTINCTION: f64 = 1e6;
 
+/// Largest refractive index: germanium's is 4.
+const MAX_INDEX: f64 = 4.0;
+
 /// Control points of a curve of `N` values: position and value.
 pub(super) type Points<const N: usize> = Vec<(f64, [f64; N])>;
 
@@ -37,6 +40,18 @@ pub(super) fn read_extinction(value: &Value<'_>) -> Result<[f64; 1], Finding> {
         Err(value
             .error("out-of-range", message)
             .help("give an extinction of 0 or more"))
+    }
+}
+
+pub(super) fn read_index(value: &Value<'_>) -> Result<[f64; 1], Finding> {
+    let index = value.f64()?;
+    if (1.0..=MAX_INDEX).contains(&index) {
+        Ok([index])
+    } else {
+        let message = format!("the refractive index {index:?} is outside 1 to 4");
+        Err(value
+            .error("out-of-range", message)
+            .help("give 1 (vacuum and, nearly, air) or more: water is 1.33, glass 1.5"))
     }
 }
 

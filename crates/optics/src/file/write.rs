@@ -36,9 +36,17 @@ pub(crate) fn write(transfer: &TransferFunction) -> String {
     let absorbed = list(transfer.absorption.curve().points(), |[value]| {
         format!("{value:?}")
     });
+    // Only where the file has one: the texts, and digests, of those without stay what they were.
+    let refraction = transfer
+        .refraction
+        .as_ref()
+        .map_or_else(String::new, |curve| {
+            let indices = list(curve.points(), |[index]| format!("{index:?}"));
+            format!("    refraction: {indices},\n")
+        });
     format!(
         "(\n    domain: {domain},\n    reference_length: {reference_length},\n    color: {color},\n    \
-         {absorption}: {absorbed},\n)\n"
+         {absorption}: {absorbed},\n{refraction})\n"
     )
 }
 
