@@ -25,7 +25,8 @@ fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ra
     var distance = CROSSING_NONE;
     var normal = vec3f(0.0);
     // The eye itself may be inside of the solid; then there is no face.
-    if segment.start == 0.0 && (*ray).near > 0.0 && params.cut_faces == 0u && isovalue_is_solid(segment.front.scalar) {
+    let is_face = segment.start == 0.0 && (*ray).near > 0.0 && !(*ray).is_continued;
+    if is_face && params.cut_faces == 0u && isovalue_is_solid(segment.front.scalar) {
         distance = 0.0;
         normal = surface_entry_normal(*ray);
     } else {
