@@ -31,8 +31,8 @@ struct ClipVolumeLine {
 const CLIP_VOLUME_TURNS: u32 = 65535u;
 // Steps that a visible part is looked at ahead: a ray that ends early does not look at the rest.
 const CLIP_VOLUME_AHEAD: f32 = 16.0;
-// Samples that refine a crossing.
-const CLIP_VOLUME_REFINEMENTS: u32 = 4u;
+// Samples that refine a crossing: where the field bends at a voxel's face close by, the first ones help little.
+const CLIP_VOLUME_REFINEMENTS: u32 = 8u;
 
 // Texture coordinates of the clip volume per texture coordinate of the volume, where it is laid over its box.
 fn clip_volume_scale() -> vec3f {
