@@ -371,9 +371,9 @@ fn a_curved_cut_is_where_the_interpolated_clip_volume_says() {
             for _ in 0..40 {
                 let middle = 0.5 * (a + b);
                 if value(middle) < 0.0 {
-                    b = middle
+                    b = middle;
                 } else {
-                    a = middle
+                    a = middle;
                 }
             }
             faces += 1;

@@ -144,7 +144,7 @@ fn a_clip_volume_laid_over_the_box_has_no_place_of_its_own() {
 #[test]
 fn a_clip_volume_changes_neither_the_camera_nor_what_it_does_not_cut() {
     let clip = r#"path: "c_2x2x2_float32.raw", origin: (300, 0, 0)"#;
-    let params = r#"{ "step": 0.7, "clip_isovalue": 0.5, "clip_isovalue_unit": "data" }"#;
+    let params = r#"{ "step": 0.7, "clip_step": 0.1, "clip_isovalue": 0.5, "clip_isovalue_unit": "data" }"#;
     let with = |slots: &str, clip: &str| {
         scene(&CUBIC, PERSPECTIVE, slots, params, clip).with_floats("c", [2; 3], |_, _, _| 1.0)
     };
