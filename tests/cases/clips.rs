@@ -1,7 +1,8 @@
 //! Clip shapes against closed forms: what is left of a constant volume absorbs by its length, at any step.
 //!
-//! How the pictures depend on the step, and how cut faces are lit, is in `pictures`.
+//! How pictures depend on the step is in `pictures`, how cuts are lit in `faces`.
 
+mod faces;
 mod pictures;
 mod shapes;
 mod volumes;

@@ -16,10 +16,9 @@ fn clip_next(ray: Ray) -> vec2f {
     let nearest = from_centre + middle * ray.direction;
     let radius = space_length(params.clip_radius);
     let half_square = radius * radius - dot(nearest, nearest);
-    if half_square <= 0.0 {
-        return clip_part(ray, vec2f(0.0, -1.0));
-    }
-    let half = sqrt(half_square);
+    // A ray that misses leaves before it enters: that is nowhere. (A return from here would do, but makes the Vulkan
+    // software driver of Mesa 22.3 crash in a fragment shader.)
+    let half = select(-1.0, sqrt(max(half_square, 0.0)), half_square > 0.0);
     return clip_part(ray, vec2f(middle - half, middle + half));
 }
 

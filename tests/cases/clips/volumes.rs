@@ -144,20 +144,24 @@ fn a_clip_volume_laid_over_the_box_has_no_place_of_its_own() {
 #[test]
 fn a_clip_volume_changes_neither_the_camera_nor_what_it_does_not_cut() {
     let clip = r#"path: "c_2x2x2_float32.raw", origin: (300, 0, 0)"#;
-    let params = r#"{ "step": 0.7, "clip_step": 0.1, "clip_isovalue": 0.5, "clip_isovalue_unit": "data" }"#;
+    let params =
+        r#"{ "step": 2.0, "clip_step": 0.1, "clip_isovalue": 0.5, "clip_isovalue_unit": "data" }"#;
+    // Of such a field, each place where a segment ends makes a difference.
+    let rough = |x: u32, y: u32, z: u32| ((x * 3 + y * 5 + z * 7) % 8) as f32;
+    let transfer = "(points: [(at: 0, color: (1, 0, 0), opacity: 0), (at: 1, color: (0, 1, 0), opacity: 0.4)])";
     let with = |slots: &str, clip: &str| {
-        scene(&CUBIC, PERSPECTIVE, slots, params, clip).with_floats("c", [2; 3], |_, _, _| 1.0)
+        scene(&CUBIC, PERSPECTIVE, slots, params, clip)
+            .with_floats("c", [2; 3], |_, _, _| 1.0)
+            .with_floats("v", [8, 6, 4], rough)
+            .with("transfer.ron", transfer)
     };
     let cut = with(r#"{ "clip": "volume" }"#, clip);
     let plain = Stage::new()
-        .with_floats("v", [8, 6, 4], |_, _, _| 0.5)
-        .with(
-            "transfer.ron",
-            "(points: [(at: 0.5, color: (1, 1, 1), opacity: 0.1)])",
-        )
+        .with_floats("v", [8, 6, 4], rough)
+        .with("transfer.ron", transfer)
         .with(
             "graph.ron",
-            graph(CUBIC.source, PERSPECTIVE, "{}", "{}", r#"{ "step": 0.7 }"#),
+            graph(CUBIC.source, PERSPECTIVE, "{}", "{}", r#"{ "step": 2.0 }"#),
         );
     for backend in adapters() {
         let (cut, cut_view) = render(&cut, &[], &backend, [40, 32]);
@@ -166,8 +170,10 @@ fn a_clip_volume_changes_neither_the_camera_nor_what_it_does_not_cut() {
         let worst = volgraph_measure::compare_without_flip(&cut, &plain)
             .unwrap()
             .max;
-        // A part that goes on is 1e-4 voxels shorter than whole steps.
-        assert!(worst.error < 1e-5, "{backend}: {worst:?}");
+        println!("{backend}: {worst:?}");
+        // A part that goes on is 1e-4 voxels shorter than whole steps: after five of them segments are 5e-4 voxels off,
+        // and a voxel changes the opacity of a segment by at most 0.4.
+        assert!(worst.error < 2e-4, "{backend}: {worst:?}");
     }
 }
 
