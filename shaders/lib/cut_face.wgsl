@@ -22,7 +22,7 @@ fn cut_face_begin() -> CutFace {
 // Whether the segment starts at a face of the solid that the ray meets from outside.
 fn cut_face_is_met(before: CutFace, ray: Ray, segment: Segment) -> bool {
     // The uniform comes last: conditions that begin with one crash fragment shaders of Mesa 22.3's lavapipe.
-    let is_start = segment.start == 0.0 && ray.near > 0.0 && params.cut_faces == 0u;
+    let is_start = segment.start == 0.0 && ray.near > 0.0 && !ray.is_continued && params.cut_faces == 0u;
     // A part that goes on where the last one ended, as where a label changes, is no face inside of the solid.
     let goes_on = before.is_solid && ray.near <= before.end + volume_least();
     return is_start && !goes_on && crossing_starts_above(ray, segment, isovalue_level()) != (params.solid == 1u);

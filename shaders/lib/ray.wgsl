@@ -13,6 +13,8 @@ struct Ray {
     slope: vec3f,
     // World normal, towards the eye, of the cut that the ray enters through; zeros where it enters through no cut.
     cut_normal: vec3f,
+    // Whether the ray only goes on where the part before it ended: there is no face at its entry.
+    is_continued: bool,
     // What the part of the volume is that the ray runs through, by the `labels`; 0 where there are none.
     label: u32,
     // World distance from the origin where the cut, or the face of the box, is that ends what is visible here.
@@ -81,6 +83,7 @@ fn ray_between(ray: Ray, start: f32, end: f32) -> Ray {
     part.near = ray.near + start;
     part.far = ray.near + end;
     part.cut_normal = vec3f(0.0);
+    part.is_continued = false;
     return part;
 }
 

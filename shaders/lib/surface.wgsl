@@ -34,10 +34,14 @@ fn surface_inner_normal(ray: Ray, distance: f32) -> vec3f {
     return normal;
 }
 
-// The normal of the cut that a part of a ray starts at, or of the face of the box.
+// The normal of the cut that a part of a ray starts at, or of the face of the box; the field's where it starts at
+// neither.
 fn surface_entry_normal(ray: Ray) -> vec3f {
     if any(ray.cut_normal != vec3f(0.0)) {
         return ray.cut_normal;
+    }
+    if !volume_is_at_face(ray) {
+        return surface_gradient_normal(ray, 0.0);
     }
     return volume_face_normal(ray);
 }

@@ -55,6 +55,13 @@ fn volume_clip_ray(given: Ray) -> Ray {
     return ray;
 }
 
+// Whether a ray's entry is on a face of the box, but for rounding.
+fn volume_is_at_face(ray: Ray) -> bool {
+    let low = abs(ray.entry - volume.box_low) * volume.dims;
+    let high = abs(ray.entry - volume.box_high) * volume.dims;
+    return any(min(low, high) < vec3f(0.05));
+}
+
 // World normal, towards the eye, of the face of the box that is nearest to a ray's entry.
 fn volume_face_normal(ray: Ray) -> vec3f {
     let low = abs(ray.entry - volume.box_low) * volume.dims;
@@ -88,6 +95,7 @@ fn volume_bend_ray(ray: ptr<function, Ray>, distance: f32, direction: vec3f) {
     bent.slope = (volume.texture_from_world * vec4f(direction, 0.0)).xyz;
     bent.far = near + volume_exit(bent.entry, bent.slope);
     bent.cut_normal = vec3f(0.0);
+    bent.is_continued = true;
     bent.bends += 1u;
     *ray = bent;
 }

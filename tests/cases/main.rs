@@ -4,6 +4,7 @@
 
 mod accuracy;
 mod agreement;
+mod clips;
 mod closed_forms;
 mod exhaustion;
 mod glass;

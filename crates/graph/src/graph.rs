@@ -196,20 +196,39 @@ impl Graph {
         self.nodes.iter().position(|node| node.name == name)
     }
 
-    /// The corners of all sources' boxes, in world space.
+    /// The corners of the boxes that cameras fit, in world space: of the sources that proxy geometry is made of; of all
+    /// sources where there is none. What only cuts or colours a volume may lie anywhere.
     #[must_use]
     pub fn corners(&self) -> Vec<DVec3> {
-        self.nodes
+        let is_proxy = |node: &&Node| {
+            let types = node.output_types();
+            types.iter().any(|(_, ty)| *ty == PortType::Mesh)
+        };
+        let started: BTreeSet<NodeId> = self
+            .nodes
             .iter()
-            .filter_map(|node| match &node.body {
-                NodeBody::Source(source) => Some(source.corners()),
-                NodeBody::Kind(_) => None,
-            })
-            .flatten()
-            .collect()
+            .filter(is_proxy)
+            .flat_map(|node| node.inputs.values().map(|link| link.node))
+            .collect();
+        let fitted = |among: &dyn Fn(NodeId) -> bool| -> Vec<DVec3> {
+            let sources = (0..self.nodes.len()).filter(|id| among(*id));
+            sources
+                .filter_map(|id| match &self.nodes[id].body {
+                    NodeBody::Source(source) => Some(source.corners()),
+                    NodeBody::Kind(_) => None,
+                })
+                .flatten()
+                .collect()
+        };
+        let corners = fitted(&|id| started.contains(&id));
+        if corners.is_empty() {
+            fitted(&|_| true)
+        } else {
+            corners
+        }
     }
 
-    /// The world position that shaders count from: the middle of all sources. They compute in f32, which far from the
+    /// The world position that shaders count from: the middle of [`Self::corners`]. They compute in f32, which far from the
     /// world's own origin has no digits left for voxels.
     #[must_use]
     pub fn origin(&self) -> DVec3 {

@@ -148,7 +148,7 @@ impl Plan {
         findings.into_result(())
     }
 
-    /// The corners of all sources' boxes, in world space.
+    /// The corners of the boxes that cameras fit, in world space (see [`Graph::corners`]).
     #[must_use]
     pub fn corners(&self) -> Vec<DVec3> {
         self.graph.corners()

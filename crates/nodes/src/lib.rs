@@ -5,6 +5,7 @@
 //! scalars become texels) and [`placement`] (the uniform of a volume). [`registry`] has them all.
 
 pub mod background;
+pub(crate) mod clip_volume;
 pub mod encoding;
 pub mod false_color;
 pub mod gradient;

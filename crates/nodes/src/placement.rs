@@ -29,20 +29,26 @@ pub fn volume<'g>(node: &NodeContext<'g>, port: &str) -> Result<&'g Volume, Find
 /// # Errors
 /// `missing-input` where there is no volume.
 pub fn encoding(node: &NodeContext<'_>) -> Result<Encoding, Finding> {
+    encoding_at(node, "volume")
+}
+
+/// How the volume at the port `<port>` is stored by the writer of `<port>_texture`.
+fn encoding_at(node: &NodeContext<'_>, port: &str) -> Result<Encoding, Finding> {
     // Before the demand phase there is no writer yet; it will get this node's own storage parameter.
-    let storage = node
-        .writer("volume_texture")
-        .map_or(node.text("volume_storage"), |writer| {
-            writer.text("volume_storage")
-        });
-    let encoding = Encoding::choose(volume(node, "volume")?, storage);
+    let storage = node.writer(&format!("{port}_texture")).map_or_else(
+        || node.text(&format!("{port}_storage")),
+        |writer| writer.text("volume_storage"),
+    );
+    let encoding = Encoding::choose(volume(node, port)?, storage);
     let span = encoding.range.1 - encoding.range.0;
     // Shaders compute in f32, where such values are infinite or 0.
     if span > 1e30 || (span > 0.0 && span < 1e-30) {
         return Err(node
             .error(
                 "value-range",
-                format!("the volume's values span {span:e}, which shaders cannot compute with"),
+                format!(
+                    "the values of its `{port}` span {span:e}, which shaders cannot compute with"
+                ),
             )
             .help("convert the volume to values that span between 1e-30 and 1e30"));
     }
@@ -52,8 +58,15 @@ pub fn encoding(node: &NodeContext<'_>) -> Result<Encoding, Finding> {
 /// The slot that decides how texels are filtered, for programs that import `lib/volume.wgsl`: (slot, choice).
 #[must_use]
 pub fn filter_slot(node: &NodeContext<'_>) -> (String, String) {
-    let choice = encoding(node).map_or("hardware", |encoding| encoding.filter(node.limits()));
-    ("volume_filter".to_owned(), choice.to_owned())
+    filter_slot_at(node, "volume")
+}
+
+/// The same for the volume at another port: of the slot `<port>_filter`.
+#[must_use]
+pub fn filter_slot_at(node: &NodeContext<'_>, port: &str) -> (String, String) {
+    let choice =
+        encoding_at(node, port).map_or("hardware", |encoding| encoding.filter(node.limits()));
+    (format!("{port}_filter"), choice.to_owned())
 }
 
 /// The members of the uniform `volume` (see `lib/volume.wgsl`), for a node with the inputs `volume` and
@@ -62,8 +75,16 @@ pub fn filter_slot(node: &NodeContext<'_>) -> (String, String) {
 /// # Errors
 /// `missing-input` where there is no volume.
 pub fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
-    let grid = volume(node, "volume")?.grid();
-    let encoding = encoding(node)?;
+    uniform_at(node, "volume")
+}
+
+/// The same members of the volume at the port `<port>`, whose texture is at `<port>_texture`.
+///
+/// # Errors
+/// `missing-input` where there is no volume.
+pub fn uniform_at(node: &NodeContext<'_>, port: &str) -> Result<Uniform, Finding> {
+    let grid = volume(node, port)?.grid();
+    let encoding = encoding_at(node, port)?;
     // Shaders count world positions from the scene's origin.
     let texture_from_world = texture_from_world(grid) * DAffine3::from_translation(node.origin());
     let (low, high) = grid.box_index();
@@ -78,7 +99,7 @@ pub fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     // Gradients are covectors: they map by the inverse transpose.
     let world_from_index_gradient: DMat3 = grid.world_from_index.matrix3.inverse().transpose();
     let span = encoding.range.1 - encoding.range.0;
-    let normalised = normalised_range(volume(node, "volume")?);
+    let normalised = normalised_range(volume(node, port)?);
     Ok(vec![
         (
             "texture_from_world",

@@ -9,11 +9,12 @@ use volgraph_graph::{
 use volgraph_optics::Domain;
 use volgraph_report::Finding;
 use volgraph_shader::{ParamSpec, UniformValue};
+use volgraph_volume::Grid;
 use wgpu_types::TextureFormat;
 
 use crate::background::Background;
 use crate::placement::{self, f32_value};
-use crate::{preintegration, proxy_box, transfer_table, volume_texture};
+use crate::{clip_volume, preintegration, proxy_box, transfer_table, volume_texture};
 
 /// The node kind `raycast`.
 pub struct Raycast;
@@ -61,6 +62,12 @@ const INPUTS: &[InputPort] = &[
         doc: "That image on the device.",
     },
     InputPort {
+        name: "clip_volume",
+        ty: PortType::Volume,
+        requirement: Requirement::Optional,
+        doc: "Another volume, of any size and placement, whose isosurface cuts: for the clip `volume`.",
+    },
+    InputPort {
         name: "volume_texture",
         ty: PortType::VolumeTexture,
         requirement: Requirement::Demanded(Demand {
@@ -70,6 +77,17 @@ const INPUTS: &[InputPort] = &[
             slots: &[],
         }),
         doc: "The volume on the device.",
+    },
+    InputPort {
+        name: "clip_volume_texture",
+        ty: PortType::VolumeTexture,
+        requirement: Requirement::Demanded(Demand {
+            kind: "volume_texture",
+            inputs: &[("volume", "clip_volume")],
+            params: &[("volume_storage", "clip_volume_storage")],
+            slots: &[],
+        }),
+        doc: "The clip volume on the device.",
     },
     InputPort {
         name: "gradient_volume",
@@ -288,6 +306,7 @@ impl NodeKind for Raycast {
                 "Whether rays run in a fragment or a compute shader; auto measures both once and takes the faster.",
             ),
             volume_texture::storage_param(),
+            clip_volume::storage_param(),
             transfer_table::size_param(),
             preintegration::size_param(),
         ]
@@ -298,7 +317,7 @@ impl NodeKind for Raycast {
     }
 
     fn uniforms(&self) -> &[&'static str] {
-        &["volume", "transfer", "tile"]
+        &["volume", "clip_placement", "transfer", "tile"]
     }
 
     fn program(&self, node: &NodeContext<'_>) -> Option<ProgramSpec> {
@@ -326,6 +345,7 @@ impl NodeKind for Raycast {
         fixed_slots.extend([
             ("behind".to_owned(), behind.to_owned()),
             placement::filter_slot(node),
+            placement::filter_slot_at(node, "clip_volume"),
         ]);
         fixed_slots.extend(beyond_slots(node));
         Some(ProgramSpec {
@@ -373,6 +393,7 @@ impl NodeKind for Raycast {
     fn uniform(&self, name: &str, node: &NodeContext<'_>) -> Result<Uniform, Finding> {
         match name {
             "volume" => placement::uniform(node),
+            "clip_placement" => placement::uniform_at(node, "clip_volume"),
             "transfer" => transfer_uniform(node),
             _ => Ok(vec![(
                 "first",
@@ -383,7 +404,9 @@ impl NodeKind for Raycast {
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         check_segments(node)?;
+
         check_refinement(node)?;
+        clip_volume::check_steps(node)?;
         if node.is_connected("behind")
             && node.input_resource("behind") != node.output_resource("color")
         {
@@ -446,18 +469,13 @@ fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
 }
 
 /// Most segments of a ray: software drivers end loops after 65,535 turns, and a GPU would be busy for seconds.
-const MAX_SEGMENTS: f64 = 65_535.0;
+pub(crate) const MAX_SEGMENTS: f64 = 65_535.0;
 
 /// The longest ray must not have more segments than are walked (`RAYCAST_MAX_SEGMENTS` in `node/raycast.wgsl`).
 fn check_segments(node: &NodeContext<'_>) -> Result<(), Finding> {
     let grid = placement::volume(node, "volume")?.grid();
-    let corners = grid.corners_world();
-    let pairs = corners
-        .iter()
-        .flat_map(|from| corners.iter().map(move |to| from.distance(*to)));
-    let longest = pairs.fold(0.0, f64::max);
     let step = node.float("step") * grid.min_spacing();
-    let segments = (longest / step).ceil();
+    let segments = (longest_ray(grid) / step).ceil();
     if step > 0.0 && segments > MAX_SEGMENTS {
         return Err(node
             .error(
@@ -489,6 +507,14 @@ fn check_refinement(node: &NodeContext<'_>) -> Result<(), Finding> {
 }
 /// Beyond all scalars, in f32.
 const NO_SCALAR: f64 = 3.0e38;
+/// The longest way through a volume's box, in world units.
+pub(crate) fn longest_ray(grid: &Grid) -> f64 {
+    let corners = grid.corners_world();
+    let pairs = corners
+        .iter()
+        .flat_map(|from| corners.iter().map(move |to| from.distance(*to)));
+    pairs.fold(0.0, f64::max)
+}
 
 /// The members of the uniform `transfer` (see `lib/transfer.wgsl`).
 fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {

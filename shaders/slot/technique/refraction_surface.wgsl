@@ -4,6 +4,7 @@
 #import "lib/beyond.wgsl"
 #import "lib/crossing.wgsl"
 #import "lib/isovalue.wgsl"
+#import "lib/parts.wgsl"
 #import "lib/surface.wgsl"
 #import slot "clip"
 #import slot "light"
@@ -69,6 +70,9 @@ fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ra
                 }
                 (*state).seen = (*ray).near + end;
                 if !(*state).is_inside || (*state).seen + volume_least() < (*ray).visible_end {
+                    return false;
+                }
+                if parts_go_on(*ray, end) {
                     return false;
                 }
                 distance = end;
