@@ -8,6 +8,7 @@ pub mod background;
 pub mod encoding;
 pub mod gradient;
 pub mod image_texture;
+pub mod light_volume;
 pub mod placement;
 pub mod preintegration;
 pub mod proxy_box;
@@ -34,6 +35,7 @@ pub fn registry() -> Registry {
         .add_node(gradient::Gradient)
         .add_node(transfer_table::TransferTable)
         .add_node(preintegration::Preintegration)
-        .add_node(image_texture::ImageTexture);
+        .add_node(image_texture::ImageTexture)
+        .add_node(light_volume::LightVolume);
     registry
 }

@@ -12,7 +12,7 @@ use volgraph_shader::{ParamSpec, UniformValue};
 use wgpu_types::TextureFormat;
 
 use crate::placement::{self, f32_value};
-use crate::{preintegration, proxy_box, transfer_table, volume_texture};
+use crate::{light_volume, preintegration, proxy_box, transfer_table, volume_texture};
 
 /// The node kind `raycast`.
 pub struct Raycast;
@@ -91,6 +91,29 @@ const INPUTS: &[InputPort] = &[
             slots: &[],
         }),
         doc: "The transfer function integrated over segments.",
+    },
+    InputPort {
+        name: "environment",
+        ty: PortType::Image,
+        requirement: Requirement::Optional,
+        doc: "The image of what surfaces mirror.",
+    },
+    InputPort {
+        name: "environment_texture",
+        ty: PortType::ImageTexture,
+        requirement: Requirement::Demanded(Demand {
+            kind: "image_texture",
+            inputs: &[("image", "environment")],
+            params: &[],
+            slots: &[],
+        }),
+        doc: "The image of what surfaces mirror, on the device.",
+    },
+    InputPort {
+        name: "light_volume",
+        ty: PortType::LightGrid,
+        requirement: Requirement::DemandedAlike("light_volume"),
+        doc: "How much of each light reaches the points of a grid.",
     },
 ];
 
@@ -242,7 +265,7 @@ impl NodeKind for Raycast {
     }
 
     fn uniforms(&self) -> &[&'static str] {
-        &["volume", "transfer", "tile"]
+        &["volume", "transfer", "tile", "light_grid"]
     }
 
     fn program(&self, node: &NodeContext<'_>) -> Option<ProgramSpec> {
@@ -316,6 +339,9 @@ impl NodeKind for Raycast {
         match name {
             "volume" => placement::uniform(node),
             "transfer" => transfer_uniform(node),
+            "light_grid" => {
+                light_volume::uniform(node, &node.writer("light_volume").unwrap_or(*node))
+            }
             _ => Ok(vec![(
                 "first",
                 UniformValue::UVec2(tile(node)?.map_or([0; 2], |tile| [tile[0], tile[1]])),
@@ -389,22 +415,26 @@ fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
 const MAX_SEGMENTS: f64 = 65_535.0;
 
 /// The longest ray must not have more segments than are walked (`RAYCAST_MAX_SEGMENTS` in `node/raycast.wgsl`).
-fn check_segments(node: &NodeContext<'_>) -> Result<(), Finding> {
+pub(crate) fn check_segments(node: &NodeContext<'_>) -> Result<(), Finding> {
     let grid = placement::volume(node, "volume")?.grid();
     let corners = grid.corners_world();
     let pairs = corners
         .iter()
         .flat_map(|from| corners.iter().map(move |to| from.distance(*to)));
     let longest = pairs.fold(0.0, f64::max);
-    let step = node.float("step") * grid.min_spacing();
-    let segments = (longest / step).ceil();
-    if step > 0.0 && segments > MAX_SEGMENTS {
-        return Err(node
-            .error(
-                "too-many-segments",
-                format!("its longest ray has {segments} segments, of {MAX_SEGMENTS} at most"),
-            )
-            .help("choose a longer `step`, or resample the volume to voxels closer to cubes"));
+    for param in ["step", "shadow_step"] {
+        let step = node.float(param) * grid.min_spacing();
+        let segments = (longest / step).ceil();
+        if step > 0.0 && segments > MAX_SEGMENTS {
+            return Err(node
+                .error(
+                    "too-many-segments",
+                    format!("its longest ray has {segments} segments, of {MAX_SEGMENTS} at most"),
+                )
+                .help(format!(
+                    "choose a longer `{param}`, or resample the volume to voxels closer to cubes"
+                )));
+        }
     }
     Ok(())
 }
