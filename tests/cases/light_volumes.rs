@@ -6,7 +6,7 @@ use volgraph_graph::CameraDesc;
 use volgraph_graph::camera::Pose;
 use volgraph_tests::{STAGES, Stage, adapters, box_interval, graph, ray, render};
 
-use crate::lights::{pixels, surface};
+use crate::lights::{clip_below, pixels, surface};
 
 /// The field is z, so that there is a normal; the medium is the same everywhere. `Stage` with volume and transfer.
 fn ramp() -> Stage {
@@ -179,6 +179,34 @@ fn lights_at_points_are_in_both_spaces_and_inside_of_the_volume() {
                 }
                 assert!(checked > 60, "{checked}");
             }
+        }
+    }
+}
+
+#[test]
+fn what_is_clipped_away_attenuates_nothing() {
+    let params = format!(r#""light_1": [{}, {}, {}, 0]"#, SUN.x, SUN.y, SUN.z);
+    for (shadow, bound) in [
+        ("transmittance", 1e-4),
+        ("light_volume", grid_bound(0.25, 1.2)),
+    ] {
+        let stage = plane(shadow, &params).with("slot/clip/mine.wgsl", clip_below(11.0));
+        for backend in adapters() {
+            let mut checked = 0;
+            for (point, value) in plane_points(&stage, &["image.slots.clip=mine"], &backend) {
+                let (direction, _, faces) = way(point, SUN, false);
+                let length = 3.0 / direction.z;
+                if faces.min_element() < length + 3.0 {
+                    continue;
+                }
+                checked += 1;
+                let expected = direction.z * (-extinction() * length).exp();
+                assert!(
+                    (value - expected).abs() < bound,
+                    "{backend} {shadow} {point}: {value}, not {expected}"
+                );
+            }
+            assert!(checked > 60, "{checked}");
         }
     }
 }

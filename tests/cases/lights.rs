@@ -157,12 +157,10 @@ fn a_ball_casts_its_shadow_on_a_ball() {
     }
 }
 
-#[test]
-fn what_is_clipped_away_casts_no_shadow_and_a_cut_does() {
-    // Visible is what is below world z = 28.2, beside which the small ball lies; and what is below 33, which cuts it.
-    let clip = |level: f64| {
-        format!(
-            "// Which part of the ray is visible: what is below a level.
+/// A slot `clip` of which visible is what is below a level of world z.
+pub fn clip_below(level: f64) -> String {
+    format!(
+        "// Which part of the ray is visible: what is below a level.
 #import \"lib/volume.wgsl\"
 fn clip_next(ray: Ray) -> vec2f {{
     let length = ray.far - ray.near;
@@ -177,19 +175,23 @@ fn clip_normal(ray: Ray, distance: f32) -> vec3f {{
     return vec3f(0.0, 0.0, 1.0);
 }}
 "
-        )
-    };
+    )
+}
+
+#[test]
+fn what_is_clipped_away_casts_no_shadow_and_a_cut_does() {
+    // Visible is what is below world z = 28.2, beside which the small ball lies; and what is below 33, which cuts it.
     let slots = r#""shadow": "surface", "clip": "mine""#;
     let stage = balls(slots, r#""step": 1"#);
     for backend in adapters() {
-        stage.write("slot/clip/mine.wgsl", clip(28.2));
+        stage.write("slot/clip/mine.wgsl", clip_below(28.2));
         let drawn = render(&stage, &[], &backend, [64, 64]);
         let [lit, dark, right_lit, _] = ball_shadows(&drawn, false);
         assert_eq!((lit, dark), (0, 0), "{backend}: the small ball is away");
         assert!(right_lit > 700, "{right_lit}");
         // Half of the small ball is as wide as all of it; its face is lit, and its shadow is there but for what the
         // upper half alone would shade: nothing, as the light is steeper than its equator's edge is wide.
-        stage.write("slot/clip/mine.wgsl", clip(SMALL.centre.z));
+        stage.write("slot/clip/mine.wgsl", clip_below(SMALL.centre.z));
         let drawn = render(&stage, &[], &backend, [64, 64]);
         let light = ABOVE.normalize();
         let (mut face, mut shaded) = (0, 0);
