@@ -113,7 +113,12 @@ fn a_grid_of_light_is_as_near_as_its_points_lie() {
                 }
                 checked += 1;
                 let expected = direction.z * (-extinction() * length).exp();
-                let bound = grid_bound(h, slope);
+                let face = if faces.z == length {
+                    direction.z
+                } else {
+                    slope.recip()
+                };
+                let bound = grid_bound(h, face.recip());
                 assert!(
                     (value - expected).abs() < bound,
                     "{backend} {resolution} {point}: {value}, not {expected}"
@@ -244,6 +249,20 @@ fn lights_add_up() {
                         "{shadow} {backend} {index}"
                     );
                 }
+            }
+            // Each by its own way: the grid's channels are not exchanged.
+            for lit in 0..4 {
+                let mut sets = dark(lit);
+                sets.push("image.slots.shadow=transmittance".to_owned());
+                let sets: Vec<&str> = sets
+                    .iter()
+                    .filter(|set| !set.contains("resolution"))
+                    .map(String::as_str)
+                    .collect();
+                let along_rays = render(&stage, &sets, &backend, [24, 24]).0;
+                let pairs = along_rays.color.iter().zip(&alone[lit].color);
+                let sum: f32 = pairs.map(|(a, b)| (a[1] - b[1]).abs()).sum();
+                assert!(sum / 576.0 < 2e-3, "{shadow} {backend} light {lit}: {sum}");
             }
             for one in &alone {
                 assert!(

@@ -84,7 +84,7 @@ fn balls(slots: &str, params: &str) -> Stage {
 
 /// Pixels that are lit though no light can arrive, dark though it must, and those that are lit and dark as they have to
 /// be. Left out are those nearer to an edge of shadow or outline than theory lets the surface be off.
-fn ball_shadows(drawn: &(Picture, View), has_small: bool) -> [usize; 4] {
+fn ball_shadows(drawn: &(Picture, View), has_small: bool, step: f64) -> [usize; 4] {
     let light = ABOVE.normalize();
     let mut counts = [0; 4];
     for (ray, value) in pixels(drawn) {
@@ -108,14 +108,16 @@ fn ball_shadows(drawn: &(Picture, View), has_small: bool) -> [usize; 4] {
         let point = ray.0 + distance * ray.1;
         let normal = (point - ball.centre) / ball.radius;
         // Trilinear interpolation with spacing 1 of a distance, whose second derivatives are 1/R across it, is off by at
-        // most 1/(4R), and its slopes by 1/(√2 R). A walk in steps of 1 does not see chords of less than 1: balls that
-        // are entered by 1/(8R). What the eye's ray is off by along itself is more across a slanted surface.
-        let off = |ball: &Ball| (0.25 + 0.125) / ball.radius;
+        // most 1/(4R), and its slopes by 1/(√2 R). A walk in steps of s, linear in each, is off by at most s²/(8R), and does
+        // not see balls that are entered by less. Both are more along a ray that is slanted to the surface; the normal
+        // turns by as much, over R.
+        let off = |ball: &Ball, step: f64| (0.25 + step * step / 8.0) / ball.radius;
         let facing = normal.dot(light);
-        if facing.abs() < 1.0 / (2.0_f64.sqrt() * ball.radius) {
+        let off_start = off(ball, step) / normal.dot(ray.1).abs();
+        if facing.abs() < (0.5_f64.sqrt() + off_start) / ball.radius {
             continue;
         }
-        let margin = off(other) + off(ball) / normal.dot(ray.1).abs();
+        let margin = off(other, 1.0) + off_start;
         let (_, beside) = other.hit((point, light));
         let is_before =
             (has_small || std::ptr::eq(other, &LARGE)) && (other.centre - point).dot(light) > 0.0;
@@ -144,16 +146,24 @@ fn a_ball_casts_its_shadow_on_a_ball() {
         for form in STAGES {
             let set = format!("image.stage={form}");
             let drawn = render(&stage, &[&set], &backend, [96, 96]);
-            let [lit, dark, right_lit, right_dark] = ball_shadows(&drawn, true);
+            let [lit, dark, right_lit, right_dark] = ball_shadows(&drawn, true, 1.0);
             assert_eq!((lit, dark), (0, 0), "{backend} {form}: lit, dark");
             assert!(
                 right_lit > 1500 && right_dark > 400,
                 "{right_lit} {right_dark}"
             );
         }
+        // The eye's coarse steps leave their points beside the surface; their shadows start on it all the same.
+        let drawn = render(&stage, &["image.step=3"], &backend, [96, 96]);
+        let [lit, dark, right_lit, right_dark] = ball_shadows(&drawn, true, 3.0);
+        assert_eq!((lit, dark), (0, 0), "{backend}, coarse: lit, dark");
+        assert!(
+            right_lit > 1000 && right_dark > 250,
+            "{right_lit} {right_dark}"
+        );
         // The check sees that there is no shadow.
         let drawn = render(&stage, &["image.slots.shadow=none"], &backend, [96, 96]);
-        assert!(ball_shadows(&drawn, true)[0] > 200, "{backend}");
+        assert!(ball_shadows(&drawn, true, 1.0)[0] > 200, "{backend}");
     }
 }
 
@@ -186,7 +196,7 @@ fn what_is_clipped_away_casts_no_shadow_and_a_cut_does() {
     for backend in adapters() {
         stage.write("slot/clip/mine.wgsl", clip_below(28.2));
         let drawn = render(&stage, &[], &backend, [64, 64]);
-        let [lit, dark, right_lit, _] = ball_shadows(&drawn, false);
+        let [lit, dark, right_lit, _] = ball_shadows(&drawn, false, 1.0);
         assert_eq!((lit, dark), (0, 0), "{backend}: the small ball is away");
         assert!(right_lit > 700, "{right_lit}");
         // Half of the small ball is as wide as all of it; its face is lit, and its shadow is there but for what the
@@ -221,6 +231,63 @@ fn what_is_clipped_away_casts_no_shadow_and_a_cut_does() {
             }
         }
         assert!(face > 30 && shaded > 30, "{face} {shaded}");
+    }
+}
+
+/// The large ball's upper part is cut away, and the lower half of the small one: below a face, above a face.
+#[test]
+fn a_face_casts_its_shadow_on_a_face() {
+    let (low, high) = (20.0, SMALL.centre.z);
+    let clip = format!(
+        "// Which part of the ray is visible: what is not between two levels.
+#import \"lib/volume.wgsl\"
+fn clip_next(ray: Ray) -> vec2f {{
+    let length = ray.far - ray.near;
+    let levels = (vec2f({low:?}, {high:?}) + 0.5) / volume.dims.z;
+    let to = (levels - ray.entry.z) / select(ray.slope.z, 1.0e-20, ray.slope.z == 0.0);
+    let first = select(levels, levels.yx, ray.slope.z < 0.0);
+    let near = min(to.x, to.y);
+    let far = max(to.x, to.y);
+    if (first.x - ray.entry.z) * sign(ray.slope.z) > 0.0 {{
+        return vec2f(0.0, min(near, length));
+    }}
+    return select(vec2f(0.0), vec2f(max(far, 0.0), length), far < length);
+}}
+fn clip_normal(ray: Ray, distance: f32) -> vec3f {{
+    return vec3f(0.0, 0.0, -sign(ray.slope.z));
+}}
+"
+    );
+    let slots = r#""shadow": "surface", "clip": "mine""#;
+    let stage = balls(slots, r#""step": 1"#).with("slot/clip/mine.wgsl", clip);
+    let light = ABOVE.normalize();
+    // The circle of the large ball's face.
+    let wide = (LARGE.radius * LARGE.radius - (low - LARGE.centre.z).powi(2)).sqrt();
+    for backend in adapters() {
+        let drawn = render(&stage, &[], &backend, [64, 64]);
+        let (mut lit, mut dark) = (0, 0);
+        for (ray, value) in pixels(&drawn) {
+            let point = ray.0 + (low - ray.0.z) / ray.1.z * ray.1;
+            let is_face = (point - LARGE.centre).truncate().length() < wide - 0.2;
+            let (_, hides) = SMALL.hit(ray);
+            if !is_face || hides < SMALL.radius + 0.3 {
+                continue;
+            }
+            // The way to the light goes through the upper half, or beside the whole ball.
+            let through = point + (high - point.z) / light.z * light;
+            let (_, beside) = SMALL.hit((point, light));
+            if through.distance(SMALL.centre) < SMALL.radius - 0.3 {
+                dark += 1;
+                assert!(value == 0.0, "{backend}: {value} at {point}");
+            } else if beside > SMALL.radius + 0.3 {
+                lit += 1;
+                assert!(
+                    (value - light.z).abs() < 1e-3,
+                    "{backend}: {value} at {point}"
+                );
+            }
+        }
+        assert!(lit > 100 && dark > 20, "{lit} {dark}");
     }
 }
 
