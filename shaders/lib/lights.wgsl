@@ -37,18 +37,28 @@ struct Light {
 // Stands for the distance to a directional light.
 const LIGHT_FAR: f32 = 3.0e38;
 
+// A light as the user gave it.
+fn lights_given(index: u32) -> vec4f {
+    let first = select(params.light_1, params.light_2, index == 1u);
+    let second = select(params.light_3, params.light_4, index == 3u);
+    return select(first, second, index > 1u);
+}
+
+// Whether a light is at the eye.
+fn lights_is_at_eye(index: u32) -> bool {
+    let given = lights_given(index);
+    return given.w == 0.0 && dot(given.xyz, given.xyz) == 0.0;
+}
+
 // The light of a number below `params.lights`, as a world position sees it; `to_eye` is the unit direction back.
 fn lights_at(index: u32, world: vec3f, to_eye: vec3f) -> Light {
-    var given = params.light_1;
+    let given = lights_given(index);
     var color = params.light_1_color;
     if index == 1u {
-        given = params.light_2;
         color = params.light_2_color;
     } else if index == 2u {
-        given = params.light_3;
         color = params.light_3_color;
     } else if index == 3u {
-        given = params.light_4;
         color = params.light_4_color;
     }
     if given.w == 0.0 {

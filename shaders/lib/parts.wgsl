@@ -16,6 +16,16 @@ struct Parts {
     bends: u32,
 }
 
+// The label whose parameters are selected. A walk of its own, such as that towards a light, selects those of its parts
+// and afterwards this one again.
+var<private> parts_label: u32;
+
+// Makes the parameters those of a label.
+fn parts_select(label: u32) {
+    parts_label = label;
+    labels_select(label);
+}
+
 // Whatever the slots say, a ray has an end of parts.
 const PARTS_MAX: u32 = 4096u;
 

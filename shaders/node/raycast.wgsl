@@ -34,7 +34,7 @@ const RAYCAST_MAX_SEGMENTS: u32 = 65535u;
 fn raycast_pixel(pixel: vec2f) -> Shown {
     var ray = volume_clip_ray(ray_through(pixel));
     var parts = parts_begin(ray);
-    labels_select(0u);
+    parts_select(0u);
     var state = technique_begin(ray);
     var samples = 0u;
     var is_done = false;
@@ -42,7 +42,7 @@ fn raycast_pixel(pixel: vec2f) -> Shown {
         if !parts_next(&parts, &ray) {
             break;
         }
-        labels_select(ray.label);
+        parts_select(ray.label);
         let length = ray.far - ray.near;
         var front = raycast_sample(ray, 0.0);
         var start = 0.0;

@@ -43,7 +43,8 @@ fn field(at: DVec3) -> f64 {
     sum.min(1.0)
 }
 
-/// Above one half in two thirds of the box, with a surface that is aslant.
+/// Above one half in two thirds of the box, with a surface that is aslant. Its grid is fine, for two crossings within one
+/// of its voxels may be lost, and by rounding in one of two mirrored pictures alone.
 fn clip_field(at: DVec3) -> f64 {
     (0.5 + 1.2 * (at.x * 0.8 + at.y * 0.5 - at.z * 0.3 - 0.3)).clamp(0.0, 1.0)
 }
@@ -90,7 +91,7 @@ fn scene(technique: &str, clip: &str, spacing: DVec3, is_mirrored: bool) -> Stag
     let text = format!(
         r#"(
     sources: {{ "v": volume(path: "v_14x11x9_float32.raw", spacing: ({x:?}, {y:?}, {z:?})),
-                "c": volume(path: "c_7x9x8_float32.raw"),
+                "c": volume(path: "c_21x27x24_float32.raw"),
                 "t": transfer(path: "t.ron") }},
     nodes: {{
         "background": (kind: "background", params: {{ "pattern": "gradient", "bottom": [0.1, 0.2, 0.3, 1.0] }}),
@@ -107,8 +108,8 @@ fn scene(technique: &str, clip: &str, spacing: DVec3, is_mirrored: bool) -> Stag
     let dims = DIMS;
     Stage::new()
         .with_floats("v", dims, |x, y, z| field(share(dims, [x, y, z], is_mirrored)) as f32)
-        .with_floats("c", [7, 9, 8], |x, y, z| {
-            clip_field(share([7, 9, 8], [x, y, z], is_mirrored)) as f32
+        .with_floats("c", [21, 27, 24], |x, y, z| {
+            clip_field(share([21, 27, 24], [x, y, z], is_mirrored)) as f32
         })
         .with(
             "t.ron",

@@ -8,8 +8,9 @@ use serde::Serialize;
 use volgraph_report::{Finding, Findings, did_you_mean};
 use volgraph_shader::{Binding, BindingKind, TextureDim, TextureSample};
 
+use crate::demand::Call;
 use crate::graph::{Graph, Node, NodeBody, NodeId, Origin};
-use crate::kind::{PortType, Requirement};
+use crate::kind::PortType;
 
 /// What a binding of a shader is filled with: decided by its name alone.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -255,7 +256,8 @@ fn dimension(ty: PortType) -> Option<TextureDim> {
         | PortType::Scalar2d
         | PortType::Vector2d
         | PortType::Table2d
-        | PortType::ImageTexture => Some(TextureDim::D2),
+        | PortType::ImageTexture
+        | PortType::LightGrid => Some(TextureDim::D2),
         PortType::VolumeTexture | PortType::GradientTexture => Some(TextureDim::D3),
         PortType::Volume | PortType::Transfer | PortType::Image | PortType::Mesh => None,
     }
@@ -266,22 +268,25 @@ fn dimension(ty: PortType) -> Option<TextureDim> {
 fn check_demanded(graph: &Graph, node: &Node, findings: &mut Findings) {
     let Some(kind) = node.kind() else { return };
     for port in kind.inputs() {
-        let (Requirement::Demanded(demand), Some(link)) =
-            (port.requirement, node.inputs.get(port.name))
-        else {
+        let Some(link) = node.inputs.get(port.name) else {
             continue;
         };
         let writer = &graph.nodes[link.node];
-        let (Some(place), true) = (&link.place, writer.kind_name() == demand.kind) else {
+        let writer_kind = writer.kind().map(AsRef::as_ref);
+        let Some(call) = Call::new(port.requirement, node, writer_kind) else {
             continue;
         };
-        for (theirs, mine) in demand.inputs {
+        let (Some(place), true) = (&link.place, writer.kind_name() == call.kind) else {
+            continue;
+        };
+        for (theirs, mine) in &call.inputs {
             let end = |node: &Node, port: &str| {
                 node.inputs
                     .get(port)
                     .map(|link| (link.node, link.port.clone()))
             };
-            if end(writer, theirs) != end(node, mine) {
+            // What a writer does without it is not made of.
+            if writer.inputs.contains_key(theirs) && end(writer, theirs) != end(node, mine) {
                 let message = format!(
                     "`{}` is made of another `{theirs}` than the `{mine}` of node `{}`",
                     writer.name, node.name

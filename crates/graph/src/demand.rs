@@ -5,9 +5,10 @@
 //! file connects that port; equal demands share one node. A connected port whose binding nobody uses is let go,
 //! so that culling can drop its writer. Nodes called for are treated in the same way, until nothing is missing.
 
+mod call;
 mod library;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use indexmap::IndexMap;
@@ -15,12 +16,13 @@ use volgraph_report::{Finding, Findings, Place};
 
 use crate::desc::ParamDesc;
 use crate::graph::{Graph, Link, Node, NodeBody, NodeId, Origin, Program};
-use crate::kind::{Demand, Inherited, ProgramSpec, Requirement};
+use crate::kind::{Inherited, InputPort, ProgramSpec, Requirement};
 use crate::limits::Limits;
 use crate::node_context::NodeContext;
 use crate::registry::Registry;
 use crate::resolve::default_slots;
 
+pub(crate) use call::Call;
 pub use library::{ShaderLibrary, ShaderTimes};
 
 /// Links every node's shader, adds the nodes that used bindings call for and drops edges that no binding uses.
@@ -57,6 +59,9 @@ pub fn demand(
         graph.nodes[id].fill_params(&specs);
         for inherited in &program.spec.inherited {
             inherit(&mut graph, id, &program, inherited);
+        }
+        if call::settle(&mut graph, id, &mut made) {
+            continue;
         }
         call_for(
             &mut graph,
@@ -184,14 +189,17 @@ fn call_for(
     let Some(kind) = graph.nodes[id].kind().cloned() else {
         return;
     };
-    for port in kind.inputs() {
+    // What is made of all that the node has comes last.
+    let is_alike = |port: &&InputPort| matches!(port.requirement, Requirement::DemandedAlike(_));
+    let ports = kind.inputs().iter().filter(|port| !is_alike(port));
+    for port in ports.chain(kind.inputs().iter().filter(is_alike)) {
         let is_bound = graph.nodes[id].program.is_some();
         match port.requirement {
-            Requirement::Demanded(demand) => {
+            Requirement::Demanded(_) | Requirement::DemandedAlike(_) => {
                 if !used(port.name) {
                     graph.nodes[id].inputs.remove(port.name);
                 } else if !graph.nodes[id].inputs.contains_key(port.name) {
-                    match fulfil(graph, id, port.name, demand, registry, made) {
+                    match fulfil(graph, id, port, registry, made) {
                         Ok(link) => {
                             graph.nodes[id].inputs.insert(port.name.to_owned(), link);
                         }
@@ -220,6 +228,7 @@ fn is_texture(ty: crate::PortType) -> bool {
             | P::VolumeTexture
             | P::GradientTexture
             | P::ImageTexture
+            | P::LightGrid
     )
 }
 
@@ -227,8 +236,7 @@ fn is_texture(ty: crate::PortType) -> bool {
 fn fulfil(
     graph: &mut Graph,
     id: NodeId,
-    port: &str,
-    demand: Demand,
+    port: &InputPort,
     registry: &Registry,
     made: &mut Made,
 ) -> Result<Link, Finding> {
@@ -238,18 +246,22 @@ fn fulfil(
         Some(place) => finding.at(place.clone()),
         None => finding,
     };
-    let Some(kind) = registry.node(demand.kind) else {
-        return Err(at(Finding::error(
+    let called = port.requirement.demanded_kind().unwrap_or_default();
+    let unknown = || {
+        let port = port.name;
+        at(Finding::error(
             "unknown-kind",
             format!(
-                "binding `{port}` calls for a node of kind `{}`, which is not registered",
-                demand.kind
+                "binding `{port}` calls for a node of kind `{called}`, which is not registered"
             ),
-        )));
+        ))
     };
+    let kind = registry.node(called).ok_or_else(unknown)?;
+    let call = Call::new(port.requirement, by, Some(kind.as_ref())).ok_or_else(unknown)?;
+    let port = port.name;
     let mut inputs = BTreeMap::new();
-    for (theirs, mine) in demand.inputs {
-        let Some(link) = by.inputs.get(*mine) else {
+    for (theirs, mine) in &call.inputs {
+        let Some(link) = by.inputs.get(mine) else {
             let used_at = by.program.as_ref().and_then(|program| {
                 program
                     .used()
@@ -268,7 +280,7 @@ fn fulfil(
             });
         };
         inputs.insert(
-            (*theirs).to_owned(),
+            theirs.clone(),
             Link {
                 place: None,
                 ..link.clone()
@@ -276,17 +288,17 @@ fn fulfil(
         );
     }
     let mut slots = default_slots(kind.as_ref());
-    for (theirs, mine) in demand.slots {
-        if let (Some(slot), Some(choice)) = (slots.get_mut(*theirs), by.slots.get(*mine)) {
+    for (theirs, mine) in &call.slots {
+        if let (Some(slot), Some(choice)) = (slots.get_mut(theirs), by.slots.get(mine)) {
             *slot = choice.clone();
         }
     }
     let mut given = IndexMap::new();
-    for (theirs, mine) in demand.params {
-        if let Some(value) = by.params.get(*mine) {
+    for (theirs, mine) in &call.params {
+        if let Some(value) = by.params.get(mine) {
             let place = by
                 .given
-                .get(*mine)
+                .get(mine)
                 .map(|given| given.place.clone())
                 .or_else(|| place.clone());
             let place = place.unwrap_or_else(|| Place::whole_file(""));
@@ -295,7 +307,7 @@ fn fulfil(
                 name_place: place.clone(),
                 place,
             };
-            given.insert((*theirs).to_owned(), desc);
+            given.insert(theirs.clone(), desc);
         }
     }
     let mut node = Node {
@@ -303,7 +315,12 @@ fn fulfil(
         body: NodeBody::Kind(Arc::clone(kind)),
         inputs,
         given,
-        params: BTreeMap::new(),
+        // Its shader is not known yet; the kind may choose one by what is handed over.
+        params: if call.is_alike {
+            by.params.clone()
+        } else {
+            BTreeMap::new()
+        },
         slots,
         origin: Origin::Demanded {
             by: id,
@@ -324,30 +341,39 @@ fn fulfil(
     };
     // What a node was called for with, not what it has become: its own shader adds inputs and parameters.
     let key = key(&node);
-    if let Some(existing) = made.get(&key) {
+    if let Some(existing) = made.nodes.get(&key) {
         return Ok(link(*existing));
     }
-    if made.len() >= MAX_DEMANDED {
+    if made.nodes.len() >= MAX_DEMANDED {
         return Err(at(Finding::error(
             "too-large",
             format!("shaders call for more than {MAX_DEMANDED} nodes"),
         )
         .help(format!(
             "does kind `{}` call for itself with ever new inputs?",
-            demand.kind
+            call.kind
         ))));
     }
-    node.name = unique_name(graph, &format!("{}.{}", by.name, demand.kind));
+    node.name = unique_name(graph, &format!("{}.{}", by.name, call.kind));
     graph.nodes.push(node);
-    made.insert(key, graph.nodes.len() - 1);
+    made.nodes.insert(key, graph.nodes.len() - 1);
+    if call.is_alike {
+        made.alike.insert(graph.nodes.len() - 1);
+    }
     Ok(link(graph.nodes.len() - 1))
 }
 
 /// Most nodes that shaders may call for.
 const MAX_DEMANDED: usize = 1024;
 
-/// The nodes that were called for, by what they were called for with.
-type Made = BTreeMap<String, NodeId>;
+/// The nodes that were called for.
+#[derive(Default)]
+struct Made {
+    /// By what they were called for with.
+    nodes: BTreeMap<String, NodeId>,
+    /// Those that were called for by equal names.
+    alike: BTreeSet<NodeId>,
+}
 
 fn key(node: &Node) -> String {
     let inputs: Vec<_> = node

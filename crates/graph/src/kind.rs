@@ -39,6 +39,8 @@ pub enum PortType {
     GradientTexture,
     /// A 2D texture of an image.
     ImageTexture,
+    /// A 2D texture with the slices of a grid side by side: of four lights, the share that reaches a point.
+    LightGrid,
     /// A buffer of triangles.
     Mesh,
 }
@@ -57,6 +59,7 @@ impl fmt::Display for PortType {
             Self::VolumeTexture => "volume_texture",
             Self::GradientTexture => "gradient_texture",
             Self::ImageTexture => "image_texture",
+            Self::LightGrid => "light_grid",
             Self::Mesh => "mesh",
         })
     }
@@ -72,6 +75,21 @@ pub enum Requirement {
     /// Where a used binding has this port's name and the file does not connect it, a node is added for it; where
     /// no used binding has its name, it is not connected at all.
     Demanded(Demand),
+    /// The same with a node of this kind to which all goes on that has a name in common with this node: the writers of
+    /// input ports, parameters that its shader declares, choices of slots.
+    DemandedAlike(&'static str),
+}
+
+impl Requirement {
+    /// The kind of the node that a demanded port calls for.
+    #[must_use]
+    pub fn demanded_kind(&self) -> Option<&'static str> {
+        match self {
+            Self::Demanded(demand) => Some(demand.kind),
+            Self::DemandedAlike(kind) => Some(kind),
+            Self::Required | Self::Optional => None,
+        }
+    }
 }
 
 /// The node that a demanded port calls for.

@@ -60,7 +60,7 @@ impl NodeKind for ImageTexture {
                 .color
                 .iter()
                 .flatten()
-                .flat_map(|value| f16::from_f32(*value).to_le_bytes())
+                .flat_map(|value| half(*value).to_le_bytes())
                 .collect())
         });
         Ok(vec![Pass::Upload {
@@ -68,6 +68,15 @@ impl NodeKind for ImageTexture {
             bytes,
         }])
     }
+}
+
+/// A half float of a value. Light brighter than a half float goes is as bright as one goes, for an infinity would spread
+/// over all that is filtered with it; what is not a number is nothing.
+fn half(value: f32) -> f16 {
+    if value.is_nan() {
+        return f16::ZERO;
+    }
+    f16::from_f32(value.clamp(f16::MIN.to_f32(), f16::MAX.to_f32()))
 }
 
 fn image<'g>(node: &NodeContext<'g>) -> Result<&'g ImageSource, Finding> {

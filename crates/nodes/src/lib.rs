@@ -10,6 +10,7 @@ pub mod encoding;
 pub mod false_color;
 pub mod gradient;
 pub mod image_texture;
+pub mod light_volume;
 pub mod placement;
 pub mod preintegration;
 pub mod proxy_box;
@@ -39,6 +40,7 @@ pub fn registry() -> Registry {
         .add_node(preintegration::Preintegration)
         .add_node(refraction_table::RefractionTable)
         .add_node(image_texture::ImageTexture)
+        .add_node(light_volume::LightVolume)
         .add_node(false_color::FalseColor);
     registry
 }

@@ -14,7 +14,7 @@ use wgpu_types::TextureFormat;
 
 use crate::background::Background;
 use crate::placement::{self, f32_value};
-use crate::{clip_volume, preintegration, proxy_box, transfer_table, volume_texture};
+use crate::{clip_volume, light_volume, preintegration, proxy_box, transfer_table, volume_texture};
 
 /// The node kind `raycast`.
 pub struct Raycast;
@@ -138,6 +138,29 @@ const INPUTS: &[InputPort] = &[
             slots: &[],
         }),
         doc: "The transfer function integrated over segments.",
+    },
+    InputPort {
+        name: "environment",
+        ty: PortType::Image,
+        requirement: Requirement::Optional,
+        doc: "The image of what surfaces mirror.",
+    },
+    InputPort {
+        name: "environment_texture",
+        ty: PortType::ImageTexture,
+        requirement: Requirement::Demanded(Demand {
+            kind: "image_texture",
+            inputs: &[("image", "environment")],
+            params: &[],
+            slots: &[],
+        }),
+        doc: "The image of what surfaces mirror, on the device.",
+    },
+    InputPort {
+        name: "light_volume",
+        ty: PortType::LightGrid,
+        requirement: Requirement::DemandedAlike("light_volume"),
+        doc: "How much of each light reaches the points of a grid.",
     },
 ];
 
@@ -317,7 +340,7 @@ impl NodeKind for Raycast {
     }
 
     fn uniforms(&self) -> &[&'static str] {
-        &["volume", "clip_placement", "transfer", "tile"]
+        &["volume", "clip_placement", "transfer", "tile", "light_grid"]
     }
 
     fn program(&self, node: &NodeContext<'_>) -> Option<ProgramSpec> {
@@ -342,11 +365,8 @@ impl NodeKind for Raycast {
             (format!("{layer}_layer"), choice.to_owned())
         });
         let mut fixed_slots = BTreeMap::from(layers);
-        fixed_slots.extend([
-            ("behind".to_owned(), behind.to_owned()),
-            placement::filter_slot(node),
-            placement::filter_slot_at(node, "clip_volume"),
-        ]);
+        fixed_slots.extend(walk_slots(node));
+        fixed_slots.insert("behind".to_owned(), behind.to_owned());
         fixed_slots.extend(beyond_slots(node));
         Some(ProgramSpec {
             root: "node/raycast.wgsl",
@@ -395,6 +415,9 @@ impl NodeKind for Raycast {
             "volume" => placement::uniform(node),
             "clip_placement" => placement::uniform_at(node, "clip_volume"),
             "transfer" => transfer_uniform(node),
+            "light_grid" => {
+                light_volume::uniform(node, &node.writer("light_volume").unwrap_or(*node))
+            }
             _ => Ok(vec![(
                 "first",
                 UniformValue::UVec2(tile(node)?.map_or([0; 2], |tile| [tile[0], tile[1]])),
@@ -403,10 +426,7 @@ impl NodeKind for Raycast {
     }
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
-        check_segments(node)?;
-
-        check_refinement(node)?;
-        clip_volume::check_steps(node)?;
+        check_walk(node)?;
         if node.is_connected("behind")
             && node.input_resource("behind") != node.output_resource("color")
         {
@@ -471,18 +491,37 @@ fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
 /// Most segments of a ray: software drivers end loops after 65,535 turns, and a GPU would be busy for seconds.
 pub(crate) const MAX_SEGMENTS: f64 = 65_535.0;
 
+/// The choices of slots that every walk through the volume needs, that of a light as well.
+pub(crate) fn walk_slots(node: &NodeContext<'_>) -> BTreeMap<String, String> {
+    BTreeMap::from([
+        placement::filter_slot(node),
+        placement::filter_slot_at(node, "clip_volume"),
+    ])
+}
+
+/// Whether such a walk comes to its end, and solves the field that it reads.
+pub(crate) fn check_walk(node: &NodeContext<'_>) -> Result<(), Finding> {
+    check_segments(node)?;
+    check_refinement(node)?;
+    clip_volume::check_steps(node)
+}
+
 /// The longest ray must not have more segments than are walked (`RAYCAST_MAX_SEGMENTS` in `node/raycast.wgsl`).
 fn check_segments(node: &NodeContext<'_>) -> Result<(), Finding> {
     let grid = placement::volume(node, "volume")?.grid();
-    let step = node.float("step") * grid.min_spacing();
-    let segments = (longest_ray(grid) / step).ceil();
-    if step > 0.0 && segments > MAX_SEGMENTS {
-        return Err(node
-            .error(
-                "too-many-segments",
-                format!("its longest ray has {segments} segments, of {MAX_SEGMENTS} at most"),
-            )
-            .help("choose a longer `step`, or resample the volume to voxels closer to cubes"));
+    for param in ["step", "shadow_step"] {
+        let step = node.float(param) * grid.min_spacing();
+        let segments = (longest_ray(grid) / step).ceil();
+        if step > 0.0 && segments > MAX_SEGMENTS {
+            return Err(node
+                .error(
+                    "too-many-segments",
+                    format!("its longest ray has {segments} segments, of {MAX_SEGMENTS} at most"),
+                )
+                .help(format!(
+                    "choose a longer `{param}`, or resample the volume to voxels closer to cubes"
+                )));
+        }
     }
     Ok(())
 }

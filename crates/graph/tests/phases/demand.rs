@@ -94,6 +94,51 @@ fn a_demand_finds_a_node_that_is_linked_already() {
 }
 
 #[test]
+fn what_is_called_for_alike_gets_all_that_it_has_by_that_name_and_no_more() {
+    let echoed = |name: &str, params: &str| {
+        format!(
+            "\"{name}\": (kind: \"paint\", in: {{ \"volume\": \"f\" }}, slots: {{ \"light\": \"echoed\" }}, \
+             params: {{ {params} }}),"
+        )
+    };
+    let one = echoed("p", "\"tint\": 0.25, \"gloss\": 0.5, \"amount\": 3.0");
+    let graph = demand(&graph_text(&one, "\"color\": \"p\"")).unwrap();
+    assert_eq!(names(&graph), ["f", "p", "p.echo"]);
+    let echo = &graph.nodes[id(&graph, "p.echo")];
+    let params: Vec<_> = echo
+        .params
+        .iter()
+        .map(|(name, value)| (name.as_str(), value))
+        .collect();
+    let (amount, tint) = (ParamValue::Float(3.0), ParamValue::Float(0.25));
+    assert_eq!(params, [("amount", &amount), ("tint", &tint)]);
+    assert_eq!(echo.given.len(), 2, "what it does not declare is not given");
+    assert_eq!(echo.slots["light"].choice, "echoed");
+    assert_eq!(echo.inputs["volume"].node, id(&graph, "f"));
+    assert!(
+        !echo.inputs.contains_key("behind"),
+        "what is open stays open"
+    );
+
+    // Two that differ in what it does not take share one.
+    for (other, count) in [
+        ("\"tint\": 0.25, \"gloss\": 0.7, \"amount\": 3.0", 1),
+        ("\"tint\": 0.3, \"gloss\": 0.5, \"amount\": 3.0", 2),
+    ] {
+        let two = format!("{one} {}", echoed("q", other));
+        let graph = demand(&graph_text(&two, "\"a\": \"p\", \"b\": \"q\"")).unwrap();
+        let of = |name: &str| graph.nodes[id(&graph, name)].inputs["echo"].node;
+        let distinct = if of("p") == of("q") { 1 } else { 2 };
+        assert_eq!(distinct, count, "{other}");
+        let live = graph.live();
+        let live = live
+            .iter()
+            .filter(|node| graph.nodes[**node].name.contains("echo"));
+        assert_eq!(live.count(), count, "what stands for nothing is not live");
+    }
+}
+
+#[test]
 fn a_demand_without_its_input_names_binding_and_port() {
     let nodes = "\"p\": (kind: \"paint\", slots: { \"light\": \"tabled\" }),";
     let finding = only(demand(&graph_text(nodes, "\"color\": \"p\"")));

@@ -49,6 +49,13 @@ pub fn shaders() -> ShaderRoots {
             "textureStore(outer_out, vec2i(0), textureLoad(table, vec2i(0), 0));"
         )
     );
+    let echo = format!(
+        "struct Params {{\n  /// Tint. @default 0.5 @range 0 1\n  tint: f32,\n}}\n{color_out}{}",
+        entry(
+            "echo",
+            "textureStore(color_out, vec2i(0), vec4f(params.tint));"
+        )
+    );
     let light = |declared: &str, value: &str| {
         format!("{declared}\nfn light_color() -> vec4f {{ return {value}; }}\n")
     };
@@ -73,6 +80,14 @@ pub fn shaders() -> ShaderRoots {
                 "@group(0) @binding(1) var table: texture_2d<f32>;\n\
                  @group(0) @binding(2) var outer: texture_2d<f32>;",
                 "textureLoad(table, vec2i(0), 0) + textureLoad(outer, vec2i(0), 0)",
+            ),
+        ),
+        (
+            "echoed",
+            light(
+                "struct Params {\n  /// Tint. @default 0.5 @range 0 1\n  tint: f32,\n  /// Gloss. @default 0 @range 0 1\n  \
+                 gloss: f32,\n}\n@group(0) @binding(1) var echo: texture_2d<f32>;",
+                "params.gloss + params.tint * textureLoad(echo, vec2i(0), 0)",
             ),
         ),
         (
@@ -138,6 +153,7 @@ pub fn shaders() -> ShaderRoots {
         .with("/s/node/half.wgsl", half)
         .with("/s/node/table.wgsl", table)
         .with("/s/node/outer.wgsl", outer)
+        .with("/s/node/echo.wgsl", echo)
         .with("/s/node/empty.wgsl", "const NOTHING = 0;\n");
     for (name, text) in choices {
         files = files.with(format!("/s/slot/light/{name}.wgsl"), text);
@@ -204,6 +220,7 @@ const FAKES: [Fake; 8] = [
             ),
             input("outer", PortType::Color, calls_for("outer")),
             input("ghost", PortType::Table1d, calls_for("ghost")),
+            input("echo", PortType::Color, Requirement::DemandedAlike("echo")),
         ],
         outputs: &[
             output("color", PortType::Color),
@@ -282,6 +299,23 @@ const FAKES: [Fake; 8] = [
         dimensions: 2,
         follows_camera: false,
         inherited: &[],
+    },
+    Fake {
+        name: "echo",
+        inputs: &[
+            input("volume", PortType::Volume, Requirement::Required),
+            input("behind", PortType::Color, Requirement::Optional),
+        ],
+        outputs: &[output("color", PortType::Color)],
+        slots: &[SlotSpec {
+            name: "light",
+            default: "flat",
+            doc: "How is it lit?",
+        }],
+        shader: Some(("node/echo.wgsl", "echo")),
+        size: Size::Absolute([8, 8, 1]),
+        dimensions: 2,
+        follows_camera: false,
     },
     Fake {
         name: "upload",

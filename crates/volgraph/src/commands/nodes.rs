@@ -65,7 +65,10 @@ impl Shaders {
             let (requirement, kind) = match port.requirement {
                 Requirement::Required => ("required", None),
                 Requirement::Optional => ("optional", None),
-                Requirement::Demanded(demand) => ("made where a shader uses it", Some(demand.kind)),
+                Requirement::Demanded(_) | Requirement::DemandedAlike(_) => (
+                    "made where a shader uses it",
+                    port.requirement.demanded_kind(),
+                ),
             };
             json!({
                 "name": port.name, "type": port.ty.to_string(), "doc": port.doc,

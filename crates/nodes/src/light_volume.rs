@@ -1,0 +1,219 @@
+//! `light_volume`: how much of each light reaches the points of a grid, computed once and looked up by shadows.
+//!
+//! Its shader walks towards the lights by the same slots, parameters and inputs as the raycast that calls for it: all
+//! go over by their names. GL stores into no 3D texture, so that the grid is an atlas: its slices along z side by side in
+//! a 2D texture, one channel for each of the four lights. The grid's outer points lie on the faces of the volume's box;
+//! a lookup between two points of a slice never reads the next slice.
+//!
+//! With a light at the eye the shader reads the camera, and the grid is made again for each pose; without one the camera
+//! is no part of its fingerprint.
+
+use std::sync::LazyLock;
+
+use glam::{DMat4, DVec3};
+use volgraph_graph::{
+    InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec, ResourceDesc, Size,
+    SlotSpec, Uniform,
+};
+use volgraph_report::Finding;
+use volgraph_shader::{ParamSpec, ParamValue, UniformValue};
+use volgraph_volume::Grid;
+use wgpu_types::TextureFormat;
+
+use crate::placement;
+use crate::raycast::Raycast;
+
+/// The node kind `light_volume`.
+pub struct LightVolume;
+
+/// Ports of the raycast that have nothing to do with how light gets through the volume.
+const WITHOUT: [&str; 7] = [
+    "rays",
+    "behind",
+    "image",
+    "image_texture",
+    "light_volume",
+    "environment",
+    "environment_texture",
+];
+
+/// The raycast's other ports: whatever its slots read, they read here.
+static INPUTS: LazyLock<Vec<InputPort>> = LazyLock::new(|| {
+    let ports = Raycast.inputs().iter().copied();
+    ports.filter(|port| !WITHOUT.contains(&port.name)).collect()
+});
+
+const OUTPUTS: &[OutputPort] = &[OutputPort {
+    name: "light",
+    ty: PortType::LightGrid,
+    doc: "Share of each of four lights that reaches the points of a grid over the volume's box, slice by slice.",
+}];
+
+impl NodeKind for LightVolume {
+    fn name(&self) -> &'static str {
+        "light_volume"
+    }
+
+    fn doc(&self) -> &'static str {
+        "Computes how much of each light reaches the points of a grid."
+    }
+
+    fn inputs(&self) -> &[InputPort] {
+        &INPUTS
+    }
+
+    fn outputs(&self) -> &[OutputPort] {
+        OUTPUTS
+    }
+
+    fn params(&self) -> Vec<ParamSpec> {
+        let params = Raycast.params().into_iter();
+        params.filter(|spec| spec.name != "stage").collect()
+    }
+
+    fn slots(&self) -> &[SlotSpec] {
+        Raycast.slots()
+    }
+
+    fn uniforms(&self) -> &[&'static str] {
+        Raycast.uniforms()
+    }
+
+    fn program(&self, node: &NodeContext<'_>) -> Option<ProgramSpec> {
+        let eye_light = if may_shine_from_eye(node) {
+            "shines"
+        } else {
+            "none"
+        };
+        let mut fixed_slots = crate::raycast::walk_slots(node);
+        fixed_slots.insert("eye_light".to_owned(), eye_light.to_owned());
+        Some(ProgramSpec {
+            root: "node/light_volume.wgsl",
+            fixed_slots,
+            inherited: Vec::new(),
+            entries: vec!["light_volume_compute"],
+        })
+    }
+
+    fn output(&self, _port: &str, node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
+        let atlas = Atlas::of(node, node)?;
+        Ok(ResourceDesc::Texture {
+            dimensions: 2,
+            size: Size::Absolute(atlas.size()),
+            // Filtered everywhere, which single floats are not.
+            format: TextureFormat::Rgba16Float,
+        })
+    }
+
+    fn uniform(&self, name: &str, node: &NodeContext<'_>) -> Result<Uniform, Finding> {
+        match name {
+            "light_grid" => uniform(node, node),
+            _ => Raycast.uniform(name, node),
+        }
+    }
+
+    fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
+        crate::raycast::check_walk(node)?;
+        let [width, height, _] = Atlas::of(node, node)?.size();
+        Ok(vec![Pass::Compute {
+            entry: "light_volume_compute",
+            workgroups: [width.div_ceil(8), height.div_ceil(8), 1],
+            constants: Vec::new(),
+        }])
+    }
+}
+
+/// Whether a light that shines is at the eye (all zeros). What is not known stands for one.
+fn may_shine_from_eye(node: &NodeContext<'_>) -> bool {
+    let lights = match node.param("lights") {
+        Some(ParamValue::Int(count)) => *count,
+        _ => 4,
+    };
+    (1..=lights).any(|number| match node.param(&format!("light_{number}")) {
+        // What is too small for a shader is zero there.
+        Some(ParamValue::Vector(light)) => light.iter().all(|value| value.abs() < 1e-15),
+        _ => true,
+    })
+}
+
+/// A grid whose slices lie side by side.
+struct Atlas {
+    /// Points along each axis.
+    dims: [u32; 3],
+    /// Slices in a row.
+    columns: u32,
+}
+
+impl Atlas {
+    /// The grid that `writer` makes over the volume of `node`.
+    fn of(node: &NodeContext<'_>, writer: &NodeContext<'_>) -> Result<Self, Finding> {
+        let grid = placement::volume(node, "volume")?.grid();
+        let sides = sides(grid);
+        let most = f64::from(writer.uint("light_resolution").max(2));
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "from 2 to a number of 32 bits"
+        )]
+        let dims = (sides / sides.max_element())
+            .to_array()
+            .map(|share| (share * most).round().max(2.0) as u32);
+        // As near to a square as slices lie.
+        let wanted = f64::from(dims[2]) * f64::from(dims[1]) / f64::from(dims[0]);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "from 1 to the number of slices"
+        )]
+        let columns = wanted.sqrt().ceil().clamp(1.0, f64::from(dims[2])) as u32;
+        Ok(Self { dims, columns })
+    }
+
+    fn size(&self) -> [u32; 3] {
+        let [width, height, depth] = self.dims;
+        [
+            width.saturating_mul(self.columns),
+            height.saturating_mul(depth.div_ceil(self.columns)),
+            1,
+        ]
+    }
+}
+
+/// World lengths of the box's sides.
+fn sides(grid: &Grid) -> DVec3 {
+    let (low, high) = grid.box_index();
+    grid.spacing() * (high - low)
+}
+
+/// The members of the uniform `light_grid` (see `lib/light_grid.wgsl`), of the grid that `writer` makes.
+///
+/// # Errors
+/// `missing-input` where there is no volume.
+pub(crate) fn uniform(
+    node: &NodeContext<'_>,
+    writer: &NodeContext<'_>,
+) -> Result<Uniform, Finding> {
+    let atlas = Atlas::of(node, writer)?;
+    let grid = placement::volume(node, "volume")?.grid();
+    let (low, high) = grid.box_index();
+    // A thousandth of a voxel within the faces: a ray along a face would miss the box by a rounding.
+    let (low, high) = (low + 1e-3, high - 1e-3);
+    let last = DVec3::from_array(atlas.dims.map(f64::from)) - 1.0;
+    let step = (high - low) / last;
+    let affine = grid.world_from_index;
+    let origin = affine.transform_point3(low) - node.origin();
+    let world_from_point = DMat4::from_cols(
+        affine.transform_vector3(DVec3::X * step.x).extend(0.0),
+        affine.transform_vector3(DVec3::Y * step.y).extend(0.0),
+        affine.transform_vector3(DVec3::Z * step.z).extend(0.0),
+        origin.extend(1.0),
+    );
+    Ok(vec![
+        ("dims", UniformValue::UVec3(atlas.dims)),
+        ("columns", UniformValue::U32(atlas.columns)),
+        (
+            "world_from_point",
+            UniformValue::Mat4(world_from_point.as_mat4().to_cols_array_2d()),
+        ),
+    ])
+}

@@ -1,0 +1,34 @@
+// How much light gets through the volume along a ray: what classification leaves of it, segment by segment.
+#import "lib/shadow_ray.wgsl"
+#import slot "classify"
+
+// A walk ends where less than this share gets through; what it returns is off by less.
+const SHADOW_LEAST: f32 = 1.0 / 4096.0;
+
+fn shadow_through(ray: Ray) -> f32 {
+    let label = parts_label;
+    var parts = parts_begin(ray);
+    var part = ray;
+    var through = 1.0;
+    for (var number = 0u; through >= SHADOW_LEAST && number < PARTS_MAX; number++) {
+        if !parts_next(&parts, &part) {
+            break;
+        }
+        parts_select(part.label);
+        let length = part.far - part.near;
+        var front = shadow_sample(part, 0.0);
+        var start = 0.0;
+        for (var index = 0u; start < length && index < SHADOW_MAX_SEGMENTS; index++) {
+            let end = shadow_segment_end(part, index);
+            let back = shadow_sample(part, end);
+            through *= classify_segment(part, Segment(front, back, start, end - start)).transmittance;
+            if through < SHADOW_LEAST {
+                break;
+            }
+            front = back;
+            start = end;
+        }
+    }
+    parts_select(label);
+    return through;
+}
