@@ -15,6 +15,20 @@ impl PostTable {
     pub const MIN_SIZE: u32 = 1024;
     /// What every device takes as a 1D or 2D texture's width.
     pub const MAX_SIZE: u32 = 8192;
+
+    /// Whether a table over one scalar may have so many entries.
+    pub(crate) fn check_size(asked: u32, table: &'static str) -> Result<(), OpticsError> {
+        let (min, max) = (Self::MIN_SIZE, Self::MAX_SIZE);
+        if (min..=max).contains(&asked) {
+            return Ok(());
+        }
+        Err(OpticsError::TableSize {
+            table,
+            asked,
+            min,
+            max,
+        })
+    }
 }
 
 impl TransferFunction {
@@ -23,16 +37,7 @@ impl TransferFunction {
     /// # Errors
     /// [`OpticsError::TableSize`].
     pub fn post_table(&self, n: u32) -> Result<PostTable, OpticsError> {
-        let (min, max) = (PostTable::MIN_SIZE, PostTable::MAX_SIZE);
-        if !(min..=max).contains(&n) {
-            let table = "post-classification";
-            return Err(OpticsError::TableSize {
-                table,
-                asked: n,
-                min,
-                max,
-            });
-        }
+        PostTable::check_size(n, "post-classification")?;
         let entry = |i| {
             let s = node(self.range(), n, i);
             let [r, g, b] = self.color(s).map(|c| c as f32);

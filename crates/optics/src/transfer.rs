@@ -11,6 +11,7 @@ use volgraph_report::{Finding, Findings, Place};
 
 use crate::curve::Curve;
 use crate::file;
+use crate::material::MaterialField;
 
 /// Extinction per reference length that opacity 1 stands for: it leaves a transmittance of 1.1e-7.
 pub const MAX_EXTINCTION_FROM_OPACITY: f64 = 16.0;
@@ -106,6 +107,7 @@ pub struct TransferFunction {
     pub(crate) reference_length: ReferenceLength,
     pub(crate) color: ColorSource,
     pub(crate) absorption: Absorption,
+    pub(crate) material: MaterialField,
 }
 
 impl TransferFunction {

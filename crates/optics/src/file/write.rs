@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use crate::material::{Material, MaterialPoint};
 use crate::transfer::{Absorption, Domain, MapUse, ReferenceLength, TransferFunction};
 
 /// The canonical text: colour and opacity apart, every default spelled out, numbers in full.
@@ -36,10 +37,31 @@ pub(crate) fn write(transfer: &TransferFunction) -> String {
     let absorbed = list(transfer.absorption.curve().points(), |[value]| {
         format!("{value:?}")
     });
+    // Where the file says nothing of it, so does the text: the digest is that of the same file without the field.
+    let material = match transfer.material.points() {
+        [] => String::new(),
+        points => material_list(points),
+    };
     format!(
         "(\n    domain: {domain},\n    reference_length: {reference_length},\n    color: {color},\n    \
-         {absorption}: {absorbed},\n)\n"
+         {absorption}: {absorbed},\n{material})\n"
     )
+}
+
+fn material_list(points: &[MaterialPoint]) -> String {
+    let mut text = "    material: [".to_owned();
+    for (at, values) in points {
+        // Writing to a String cannot fail.
+        let _ = write!(text, "\n        (at: {at:?}");
+        for (name, value) in Material::NAMES.iter().zip(values) {
+            if let Some(value) = value {
+                let _ = write!(text, ", {name}: {value:?}");
+            }
+        }
+        text.push_str("),");
+    }
+    text.push_str("\n    ],\n");
+    text
 }
 
 fn list<const N: usize>(points: &[(f64, [f64; N])], value: impl Fn([f64; N]) -> String) -> String {
