@@ -8,6 +8,8 @@ pub mod background;
 pub mod encoding;
 pub mod gradient;
 pub mod image_texture;
+pub mod lit_preintegration;
+pub mod material_table;
 pub mod placement;
 pub mod preintegration;
 pub mod proxy_box;
@@ -34,6 +36,10 @@ pub fn registry() -> Registry {
         .add_node(gradient::Gradient)
         .add_node(transfer_table::TransferTable)
         .add_node(preintegration::Preintegration)
+        .add_node(material_table::MaterialTable)
+        .add_node(lit_preintegration::LitPreintegration::Material)
+        .add_node(lit_preintegration::LitPreintegration::MaterialMoments)
+        .add_node(lit_preintegration::LitPreintegration::EmissionMoments)
         .add_node(image_texture::ImageTexture);
     registry
 }

@@ -11,8 +11,9 @@ use volgraph_report::Finding;
 use volgraph_shader::{ParamSpec, UniformValue};
 use wgpu_types::TextureFormat;
 
+use crate::lit_preintegration::{self, LitPreintegration};
 use crate::placement::{self, f32_value};
-use crate::{preintegration, proxy_box, transfer_table, volume_texture};
+use crate::{material_table, preintegration, proxy_box, transfer_table, volume_texture};
 
 /// The node kind `raycast`.
 pub struct Raycast;
@@ -92,6 +93,32 @@ const INPUTS: &[InputPort] = &[
         }),
         doc: "The transfer function integrated over segments.",
     },
+    InputPort {
+        name: "material_table",
+        ty: PortType::Table1d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "material_table",
+            inputs: &[("transfer", "transfer")],
+            params: material_table::DEMANDED_PARAMS,
+            slots: &[],
+        }),
+        doc: "The transfer function's material as a table.",
+    },
+    lit_preintegration::port(
+        "material_preintegration_table",
+        LitPreintegration::Material,
+        "The transfer function's material integrated over segments.",
+    ),
+    lit_preintegration::port(
+        "material_moments_table",
+        LitPreintegration::MaterialMoments,
+        "Where in a segment its material is seen.",
+    ),
+    lit_preintegration::port(
+        "emission_moments_table",
+        LitPreintegration::EmissionMoments,
+        "Where in a segment its emission is seen.",
+    ),
 ];
 
 const OUTPUTS: &[OutputPort] = &[
@@ -242,7 +269,7 @@ impl NodeKind for Raycast {
     }
 
     fn uniforms(&self) -> &[&'static str] {
-        &["volume", "transfer", "tile"]
+        &["volume", "transfer", "lit_tables", "tile"]
     }
 
     fn program(&self, node: &NodeContext<'_>) -> Option<ProgramSpec> {
@@ -316,6 +343,7 @@ impl NodeKind for Raycast {
         match name {
             "volume" => placement::uniform(node),
             "transfer" => transfer_uniform(node),
+            "lit_tables" => lit_preintegration::uniform(node),
             _ => Ok(vec![(
                 "first",
                 UniformValue::UVec2(tile(node)?.map_or([0; 2], |tile| [tile[0], tile[1]])),
@@ -372,6 +400,10 @@ fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
     for (port, param) in [
         ("transfer_table", "table_size"),
         ("preintegration_table", "preintegration_size"),
+        ("material_table", "table_size"),
+        ("material_preintegration_table", "preintegration_size"),
+        ("material_moments_table", "preintegration_size"),
+        ("emission_moments_table", "preintegration_size"),
     ] {
         if let Some(writer) = node.writer(port)
             && writer.uint(param) < 2
@@ -412,13 +444,7 @@ fn check_segments(node: &NodeContext<'_>) -> Result<(), Finding> {
 /// The members of the uniform `transfer` (see `lib/transfer.wgsl`).
 fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     let transfer = transfer_table::transfer(node, "transfer")?;
-    let volume = placement::volume(node, "volume")?;
-    let (mut low, mut high) = transfer.range();
-    if transfer.domain() == Domain::Normalised {
-        let (from, to) = placement::normalised_range(volume);
-        (low, high) = (from + low * (to - from), from + high * (to - from));
-    }
-    let voxel = volume.grid().min_spacing();
+    let voxel = placement::volume(node, "volume")?.grid().min_spacing();
     let last = |port: &str, param: &str| {
         node.writer(port)
             .map_or(1.0, |writer| f64::from(writer.uint(param).max(2) - 1))
@@ -428,9 +454,7 @@ fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     let preintegration_step = node
         .writer("preintegration_table")
         .map_or(1.0, |writer| writer.float("step"));
-    // Shaders count scalars from the encoding's reference.
-    let reference = placement::encoding(node)?.reference;
-    let (low, span) = (low - reference, high - low);
+    let (low, span) = table_range(node)?;
     let references_per_world = transfer.reference_length().extinction_per_world(voxel);
     Ok(vec![
         // The first and the last entry stand in the middle of their texels.
@@ -454,4 +478,17 @@ fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
             f32_value(preintegration_step * voxel),
         ),
     ])
+}
+
+/// The scalar that tables of the transfer function start at, as shaders count scalars, and how many they span.
+pub(crate) fn table_range(node: &NodeContext<'_>) -> Result<(f64, f64), Finding> {
+    let transfer = transfer_table::transfer(node, "transfer")?;
+    let (mut low, mut high) = transfer.range();
+    if transfer.domain() == Domain::Normalised {
+        let (from, to) = placement::normalised_range(placement::volume(node, "volume")?);
+        (low, high) = (from + low * (to - from), from + high * (to - from));
+    }
+    // Shaders count scalars from the encoding's reference.
+    let reference = placement::encoding(node)?.reference;
+    Ok((low - reference, high - low))
 }

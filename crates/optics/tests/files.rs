@@ -345,7 +345,7 @@ fn everything_wrong_with_a_material_is_found_at_its_place() {
             ("out-of-range", 2, 24),
             ("out-of-range", 2, 38),
             ("decreasing", 3, 10),
-            ("out-of-range", 3, 25),
+            ("wrong-type", 3, 25),
             ("out-of-range", 4, 26),
             ("unknown-field", 4, 31),
             ("missing-field", 5, 5),
