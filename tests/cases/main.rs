@@ -8,6 +8,7 @@ mod closed_forms;
 mod exhaustion;
 mod hazards;
 mod lost_devices;
+mod materials;
 mod memory_of_work;
 mod plans;
 mod rebuilds;
