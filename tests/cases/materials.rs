@@ -296,6 +296,42 @@ fn light_at_both_ends_leaves_no_rings() {
     }
 }
 
+#[test]
+fn the_light_that_is_kept_is_the_one_at_the_front_end() {
+    // Layers with nothing between them, so that lit segments follow both lit and empty ones; matter up to the box, so
+    // that rays begin lit; a sharpness that changes from segment to segment.
+    let material = ", material: [(at: 0.3, shininess: 4), (at: 0.7, shininess: 40)]";
+    let light = volgraph_tests::root().join("shaders/slot/light/phong_ends.wgsl");
+    let light = std::fs::read_to_string(light).unwrap();
+    let anew = light.replace("if !is_here || distance == 0.0", "if true");
+    let stale = light.replace("if !is_here || distance == 0.0", "if kept.at < 0.0");
+    assert!(anew != light && stale != light);
+    let stage = bumps(material)
+        .with("slot/light/anew.wgsl", anew)
+        .with("slot/light/stale.wgsl", stale);
+    for (backend, form) in adapters().iter().zip(STAGES) {
+        for material in ["uniform", "preintegrated"] {
+            let picture = |light: &str| {
+                let sets = [
+                    format!("image.stage={form}"),
+                    format!("image.slots.light={light}"),
+                    format!("image.slots.material={material}"),
+                    "image.light_1=[3, -4, 6, 1]".to_owned(),
+                ];
+                let sets = sets.each_ref().map(String::as_str);
+                render(&stage, &sets, backend, [40, 40]).0
+            };
+            let truth = picture("anew");
+            let error = max_error(&picture("phong_ends"), &truth);
+            println!("{backend} {material}: kept light is off by {error:.1e}");
+            // Distances along the ray are rounded in another order.
+            assert!(error < 1e-5, "{backend} {material}: {error}");
+            let stale = max_error(&picture("stale"), &truth);
+            assert!(stale > 1e-3, "{backend} {material}: {stale} of stale light");
+        }
+    }
+}
+
 /// Names of the nodes of the plan of a lit graph with these slots.
 fn planned(slots: &str) -> Vec<String> {
     let stage = bumps("");
