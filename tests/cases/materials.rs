@@ -12,7 +12,7 @@ use volgraph_optics::{Material, TransferFunction};
 use volgraph_tests::{STAGES, Stage, adapters, graph, ray, render};
 
 fn max_error(a: &Picture, b: &Picture) -> f64 {
-    f64::from(compare_without_flip(a, b).unwrap().max.error)
+    compare_without_flip(a, b).unwrap().max.error
 }
 
 /// A volume of bumps, with the material in the transfer function or without.

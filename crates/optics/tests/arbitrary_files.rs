@@ -58,35 +58,36 @@ fn valid_text() -> impl Strategy<Value = String> {
     )
 }
 
+/// Position, ambient, diffuse, specular and shininess.
+type GivenPoint = (f64, Option<f64>, Option<f64>, f64, Option<f64>);
+
 /// No field `material`, or one of points that give one value or several.
 fn material() -> impl Strategy<Value = String> {
     let fraction = || proptest::option::of(0.0..=1.0);
     let shininess = proptest::option::of(1.0..=256.0);
     let point = (-1e4..1e4, fraction(), fraction(), 0.0..=1.0, shininess);
-    proptest::collection::vec(point, 0..5).prop_map(
-        |mut points: Vec<(f64, Option<f64>, Option<f64>, f64, Option<f64>)>| {
-            points.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let mut list = String::new();
-            for (at, ambient, diffuse, specular, shininess) in &points {
-                list += &format!("(at: {at:?}, specular: {specular:?}");
-                for (name, value) in [
-                    ("shininess", shininess),
-                    ("ambient", ambient),
-                    ("diffuse", diffuse),
-                ] {
-                    if let Some(value) = value {
-                        list += &format!(", {name}: {value:?}");
-                    }
+    proptest::collection::vec(point, 0..5).prop_map(|mut points: Vec<GivenPoint>| {
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut list = String::new();
+        for (at, ambient, diffuse, specular, shininess) in &points {
+            list += &format!("(at: {at:?}, specular: {specular:?}");
+            for (name, value) in [
+                ("shininess", shininess),
+                ("ambient", ambient),
+                ("diffuse", diffuse),
+            ] {
+                if let Some(value) = value {
+                    list += &format!(", {name}: {value:?}");
                 }
-                list += "), ";
             }
-            if points.is_empty() {
-                list
-            } else {
-                format!(", material: [{list}]")
-            }
-        },
-    )
+            list += "), ";
+        }
+        if points.is_empty() {
+            list
+        } else {
+            format!(", material: [{list}]")
+        }
+    })
 }
 
 proptest! {

@@ -335,7 +335,7 @@ fn everything_wrong_with_a_material_is_found_at_its_place() {
     let text = "(color: (1, 1, 1), opacity: [(0, 1)], material: [
     (at: 0.5, ambient: 1.5, diffuse: -0.1),
     (at: 0.2, specular: NaN),
-    (at: 0.9, shininess: 300, shine: 1),
+    (at: 0.9, shininess: 300, shinines: 1),
     (at: 0.9),
     5,
 ])";

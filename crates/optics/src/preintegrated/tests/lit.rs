@@ -125,7 +125,7 @@ fn worst_errors(
     let (material, moments) = tables;
     let n = material.size;
     let (mut worst, mut worst_moment) = (0.0_f64, 0.0_f64);
-    for (front, back) in pairs(n, 30) {
+    for (front, back) in pairs(n, 21) {
         let ends = [front, back].map(|i| node(transfer.range(), n, i));
         let truth = quadrature(transfer, default, (ends[0], ends[1]), length);
         let at = (front + n * back) as usize;
