@@ -16,6 +16,7 @@ mod layers;
 mod light_volumes;
 mod lights;
 mod lost_devices;
+mod materials;
 mod memory_of_work;
 mod plans;
 mod projections;

@@ -11,6 +11,8 @@ pub mod false_color;
 pub mod gradient;
 pub mod image_texture;
 pub mod light_volume;
+pub mod lit_preintegration;
+pub mod material_table;
 pub mod placement;
 pub mod preintegration;
 pub mod proxy_box;
@@ -39,6 +41,10 @@ pub fn registry() -> Registry {
         .add_node(transfer_table::TransferTable)
         .add_node(preintegration::Preintegration)
         .add_node(refraction_table::RefractionTable)
+        .add_node(material_table::MaterialTable)
+        .add_node(lit_preintegration::LitPreintegration::Material)
+        .add_node(lit_preintegration::LitPreintegration::MaterialMoments)
+        .add_node(lit_preintegration::LitPreintegration::EmissionMoments)
         .add_node(image_texture::ImageTexture)
         .add_node(light_volume::LightVolume)
         .add_node(false_color::FalseColor);

@@ -4,6 +4,7 @@ use volgraph_graph::{
     InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement, ResourceDesc, Size,
     UploadBytes,
 };
+use volgraph_optics::TransferFunction;
 use volgraph_report::Finding;
 use volgraph_shader::ParamSpec;
 use wgpu_types::TextureFormat;
@@ -14,7 +15,8 @@ use crate::transfer_table::transfer;
 /// The node kind `preintegration`.
 pub struct Preintegration;
 
-const INPUTS: &[InputPort] = &[
+/// Inputs of all kinds that integrate over segments.
+pub(crate) const INPUTS: &[InputPort] = &[
     InputPort {
         name: "transfer",
         ty: PortType::Transfer,
@@ -46,6 +48,23 @@ pub fn size_param() -> ParamSpec {
     .range(64.0, 4096.0)
 }
 
+/// The parameter with the length of the segments.
+pub(crate) fn step_param() -> ParamSpec {
+    ParamSpec::float("step", 1.0, "Length of the segments.")
+        .range(0.01, 64.0)
+        .unit("voxel")
+}
+
+/// The length of the segments in reference lengths.
+pub(crate) fn segment_references(
+    node: &NodeContext<'_>,
+    transfer: &TransferFunction,
+) -> Result<f64, Finding> {
+    let voxel = volume(node, "volume")?.grid().min_spacing();
+    let segment_world = node.float("step") * voxel;
+    Ok(segment_world * transfer.reference_length().extinction_per_world(voxel))
+}
+
 impl NodeKind for Preintegration {
     fn name(&self) -> &'static str {
         "preintegration"
@@ -64,12 +83,7 @@ impl NodeKind for Preintegration {
     }
 
     fn params(&self) -> Vec<ParamSpec> {
-        vec![
-            ParamSpec::float("step", 1.0, "Length of the segments.")
-                .range(0.01, 64.0)
-                .unit("voxel"),
-            size_param(),
-        ]
+        vec![step_param(), size_param()]
     }
 
     fn output(&self, _port: &str, node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
@@ -83,10 +97,7 @@ impl NodeKind for Preintegration {
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         let transfer = transfer(node, "transfer")?;
-        let voxel = volume(node, "volume")?.grid().min_spacing();
-        let segment_world = node.float("step") * voxel;
-        let segment_references =
-            segment_world * transfer.reference_length().extinction_per_world(voxel);
+        let segment_references = segment_references(node, &transfer)?;
         let size = node.uint("preintegration_size");
         let bytes = UploadBytes::new(move || {
             let table = transfer

@@ -13,8 +13,12 @@ use volgraph_volume::Grid;
 use wgpu_types::TextureFormat;
 
 use crate::background::Background;
+use crate::lit_preintegration::{self, LitPreintegration};
 use crate::placement::{self, f32_value};
-use crate::{clip_volume, light_volume, preintegration, proxy_box, transfer_table, volume_texture};
+use crate::{
+    clip_volume, light_volume, material_table, preintegration, proxy_box, transfer_table,
+    volume_texture,
+};
 
 /// The node kind `raycast`.
 pub struct Raycast;
@@ -162,6 +166,32 @@ const INPUTS: &[InputPort] = &[
         requirement: Requirement::DemandedAlike("light_volume"),
         doc: "How much of each light reaches the points of a grid.",
     },
+    InputPort {
+        name: "material_table",
+        ty: PortType::Table1d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "material_table",
+            inputs: &[("transfer", "transfer")],
+            params: material_table::DEMANDED_PARAMS,
+            slots: &[],
+        }),
+        doc: "The transfer function's material as a table.",
+    },
+    lit_preintegration::port(
+        "material_preintegration_table",
+        LitPreintegration::Material,
+        "The transfer function's material integrated over segments.",
+    ),
+    lit_preintegration::port(
+        "material_moments_table",
+        LitPreintegration::MaterialMoments,
+        "Where in a segment its material is seen.",
+    ),
+    lit_preintegration::port(
+        "emission_moments_table",
+        LitPreintegration::EmissionMoments,
+        "Where in a segment its emission is seen.",
+    ),
 ];
 
 const OUTPUTS: &[OutputPort] = &[
@@ -340,7 +370,14 @@ impl NodeKind for Raycast {
     }
 
     fn uniforms(&self) -> &[&'static str] {
-        &["volume", "clip_placement", "transfer", "tile", "light_grid"]
+        &[
+            "volume",
+            "clip_placement",
+            "transfer",
+            "lit_tables",
+            "tile",
+            "light_grid",
+        ]
     }
 
     fn program(&self, node: &NodeContext<'_>) -> Option<ProgramSpec> {
@@ -418,6 +455,7 @@ impl NodeKind for Raycast {
             "light_grid" => {
                 light_volume::uniform(node, &node.writer("light_volume").unwrap_or(*node))
             }
+            "lit_tables" => lit_preintegration::uniform(node),
             _ => Ok(vec![(
                 "first",
                 UniformValue::UVec2(tile(node)?.map_or([0; 2], |tile| [tile[0], tile[1]])),
@@ -475,6 +513,10 @@ fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
         ("transfer_table", "table_size"),
         ("refraction_table", "table_size"),
         ("preintegration_table", "preintegration_size"),
+        ("material_table", "table_size"),
+        ("material_preintegration_table", "preintegration_size"),
+        ("material_moments_table", "preintegration_size"),
+        ("emission_moments_table", "preintegration_size"),
     ] {
         if let Some(writer) = node.writer(port)
             && writer.uint(param) < 2
@@ -566,8 +608,6 @@ fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
             Domain::Data => at,
         }
     };
-    let (low, high) = transfer.range();
-    let (low, high) = (scalar(low), scalar(high));
     let voxel = volume.grid().min_spacing();
     let last = |port: &str, param: &str| {
         node.writer(port)
@@ -579,9 +619,9 @@ fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     let preintegration_step = node
         .writer("preintegration_table")
         .map_or(1.0, |writer| writer.float("step"));
+    let (low, span) = table_range(node)?;
     // Shaders count scalars from the encoding's reference.
     let reference = placement::encoding(node)?.reference;
-    let (low, span) = (low - reference, high - low);
     // Of a transfer function that bends nothing, no scalar is between the two.
     let (first_bent, last_bent) = transfer
         .refraction_span()
@@ -615,4 +655,17 @@ fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
             f32_value(preintegration_step * voxel),
         ),
     ])
+}
+
+/// The scalar that tables of the transfer function start at, as shaders count scalars, and how many they span.
+pub(crate) fn table_range(node: &NodeContext<'_>) -> Result<(f64, f64), Finding> {
+    let transfer = transfer_table::transfer(node, "transfer")?;
+    let (mut low, mut high) = transfer.range();
+    if transfer.domain() == Domain::Normalised {
+        let (from, to) = placement::normalised_range(placement::volume(node, "volume")?);
+        (low, high) = (from + low * (to - from), from + high * (to - from));
+    }
+    // Shaders count scalars from the encoding's reference.
+    let reference = placement::encoding(node)?.reference;
+    Ok((low - reference, high - low))
 }

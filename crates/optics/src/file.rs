@@ -25,6 +25,11 @@
 //!     opacity: [(0.0, 0.0), (1.0, 0.8)],
 //!
 //!     refraction: [(0.0, 1.0), (1.0, 1.5)],   // with either form: the refractive index, 1 where it is left out
+//!     // What a scalar makes of light, if it is not the same everywhere:
+//!     material: [
+//!         (at: 0.2, ambient: 0.3, diffuse: 0.7, specular: 0.0),
+//!         (at: 0.8, ambient: 0.1, diffuse: 0.5, specular: 0.9, shininess: 80),
+//!     ],
 //! )
 //! ```
 //!
@@ -36,11 +41,14 @@
 //!   and then converted; `extinction:` in its place is a list `[(at, extinction per reference length), …]`
 //!   interpolated linearly **in extinction**. In `points`, all points give the same one of the two.
 //! - `refraction:` is a list `[(at, refractive index), …]` with indices of 1 to 4, interpolated linearly. Only
-//!   techniques that bend rays look at it. Its positions count for the range as all others do.
+//!   techniques that bend rays look at it.
+//! - `material:` is a list of control points with any of `ambient`, `diffuse` and `specular` (0 to 1) and
+//!   `shininess` (1 to 256). Each of the four is linear between the points that give it; one that no point gives is
+//!   left to who draws.
 //! - Positions do not decrease. Two points at one position make a step, and the later one holds there. Beyond
 //!   the first and last point their values hold. One point alone is a constant.
-//! - With `domain: data` the tables span the first to the last position given, a map's `from` and `to`
-//!   included; with `data(from, to)` no control point may lie outside.
+//! - With `domain: data` the tables span the first to the last position given, those of a map's `from` and
+//!   `to` and of the material included; with `data(from, to)` no control point may lie outside.
 //! - A list has at most 4096 points, the text at most 256 KiB.
 //!
 //! # Codes of findings
@@ -54,15 +62,18 @@ use volgraph_report::ron_text::{Document, Fields, Value};
 use volgraph_report::{Finding, Findings, Place};
 
 use crate::curve::Curve;
+use crate::material::MaterialField;
 use crate::transfer::{Absorption, Domain, ReferenceLength, TransferFunction};
 
 mod color_field;
 mod head;
+mod material;
 mod points;
 mod write;
 
 use color_field::{ColorField, lay_out, read_color_field};
 use head::{read_domain, read_reference_length};
+use material::read_material;
 use points::{read_extinction, read_index, read_opacity, read_pairs, read_points};
 pub(crate) use write::write;
 
@@ -108,7 +119,12 @@ pub(crate) fn parse(file: &Path, text: &str) -> Result<TransferFunction, Finding
     let opacity = fields.take("opacity");
     let extinction = fields.take("extinction");
     let refraction = fields.take("refraction");
+    let material = fields.take("material");
     fields.finish(&mut findings);
+    let material = match material {
+        Some(value) => read_material(&mut findings, &value, explicit_range),
+        None => Some(MaterialField::default()),
+    };
     let conflict = |value: &Value<'_>, message: &str| {
         value
             .error("exclusive-fields", message)
@@ -155,11 +171,11 @@ pub(crate) fn parse(file: &Path, text: &str) -> Result<TransferFunction, Finding
             .or_else(|| extinction.map(|points| Absorption::Extinction(Curve::new(points))));
         (colors, absorption)
     };
-    let (Some(colors), Some(absorption)) = (colors, absorption) else {
+    let (Some(colors), Some(absorption), Some(material)) = (colors, absorption, material) else {
         return Err(findings);
     };
-    let range =
-        explicit_range.unwrap_or_else(|| spanned(&colors, absorption.curve(), refraction.as_ref()));
+    let range = explicit_range
+        .unwrap_or_else(|| spanned(&colors, absorption.curve(), refraction.as_ref(), &material));
     if !is_wide_enough(range) {
         // A range that the file states has been judged where it stands.
         if explicit_range.is_none() && !findings.has_errors() {
@@ -183,6 +199,7 @@ pub(crate) fn parse(file: &Path, text: &str) -> Result<TransferFunction, Finding
         color,
         absorption,
         refraction,
+        material,
     })
 }
 
@@ -197,6 +214,7 @@ fn spanned(
     colors: &ColorField,
     absorption: &Curve<1>,
     refraction: Option<&Curve<1>>,
+    material: &MaterialField,
 ) -> (f64, f64) {
     let of_colors: Vec<f64> = match colors {
         // One colour for all scalars has no place of its own.
@@ -210,6 +228,7 @@ fn spanned(
         .chain(refraction.into_iter().flat_map(Curve::points))
         .map(|(at, _)| *at)
         .chain(of_colors)
+        .chain(material.points().iter().map(|(at, _)| *at))
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), at| {
             (lo.min(at), hi.max(at))
         })

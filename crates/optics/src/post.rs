@@ -15,6 +15,20 @@ impl PostTable {
     pub const MIN_SIZE: u32 = 1024;
     /// What every device takes as a 1D or 2D texture's width.
     pub const MAX_SIZE: u32 = 8192;
+
+    /// Whether a table over one scalar may have so many entries.
+    pub(crate) fn check_size(asked: u32, table: &'static str) -> Result<(), OpticsError> {
+        let (min, max) = (Self::MIN_SIZE, Self::MAX_SIZE);
+        if (min..=max).contains(&asked) {
+            return Ok(());
+        }
+        Err(OpticsError::TableSize {
+            table,
+            asked,
+            min,
+            max,
+        })
+    }
 }
 
 impl TransferFunction {
@@ -23,7 +37,7 @@ impl TransferFunction {
     /// # Errors
     /// [`OpticsError::TableSize`].
     pub fn post_table(&self, n: u32) -> Result<PostTable, OpticsError> {
-        check_size("post-classification", n)?;
+        PostTable::check_size(n, "post-classification")?;
         let entry = |i| {
             let s = node(self.range(), n, i);
             let [r, g, b] = self.color(s).map(|c| c as f32);
@@ -40,23 +54,10 @@ impl TransferFunction {
     /// # Errors
     /// [`OpticsError::TableSize`].
     pub fn refraction_table(&self, n: u32) -> Result<Vec<f32>, OpticsError> {
-        check_size("refraction", n)?;
+        PostTable::check_size(n, "refraction")?;
         let entry = |i| self.refractive_index(node(self.range(), n, i)) as f32;
         Ok((0..n).map(entry).collect())
     }
-}
-
-fn check_size(table: &'static str, asked: u32) -> Result<(), OpticsError> {
-    let (min, max) = (PostTable::MIN_SIZE, PostTable::MAX_SIZE);
-    if (min..=max).contains(&asked) {
-        return Ok(());
-    }
-    Err(OpticsError::TableSize {
-        table,
-        asked,
-        min,
-        max,
-    })
 }
 
 /// The scalar of entry `i` of `n ≥ 2`; the last is exactly the range's end.

@@ -7,14 +7,19 @@
 //! composites forward and backward inside blocks of `d` cells: a window is the tail of one block and the head
 //! of the next (van Herk 1992, Gil and Werman 1993). No division, no cancellation, `O(n)` for each `d`.
 //! The values of one `d` do not depend on any other, so the number of threads changes nothing.
+//!
+//! [`lit`] has the tables for materials and for light that changes along the segment; they are other composites of
+//! the same windows.
 
 mod cells;
+mod lit;
 #[cfg(test)]
 mod tests;
 
 use rayon::prelude::*;
 
 use self::cells::Cells;
+pub use self::lit::{PreintegratedMaterial, PreintegratedMoments};
 use crate::post::node;
 use crate::{OpticsError, TransferFunction, opacity_from_extinction};
 
@@ -59,43 +64,58 @@ impl TransferFunction {
         n: u32,
         segment_length: f64,
     ) -> Result<PreintegratedTable, OpticsError> {
-        let (min, max) = (PreintegratedTable::MIN_SIZE, PreintegratedTable::MAX_SIZE);
-        if !(min..=max).contains(&n) {
-            let table = "pre-integrated";
-            return Err(OpticsError::TableSize {
-                table,
-                asked: n,
-                min,
-                max,
-            });
-        }
-        if !(segment_length.is_finite() && segment_length > 0.0) {
-            return Err(OpticsError::SegmentLength(segment_length));
-        }
+        check(n, segment_length)?;
         Ok(build(self, n, segment_length))
     }
 }
 
-/// A stretch of scalars, run through in both directions.
+/// Whether there can be a table of so many entries a side for segments of so many reference lengths.
+fn check(asked: u32, segment_length: f64) -> Result<(), OpticsError> {
+    let (min, max) = (PreintegratedTable::MIN_SIZE, PreintegratedTable::MAX_SIZE);
+    if !(min..=max).contains(&asked) {
+        let table = "pre-integrated";
+        return Err(OpticsError::TableSize {
+            table,
+            asked,
+            min,
+            max,
+        });
+    }
+    if !(segment_length.is_finite() && segment_length > 0.0) {
+        return Err(OpticsError::SegmentLength(segment_length));
+    }
+    Ok(())
+}
+
+/// What stretches of scalars that follow each other come to together. Associative; there is no inverse.
+trait Composite: Copy + Send {
+    /// A stretch of no length.
+    const EMPTY: Self;
+
+    /// `self` and behind it, at higher scalars, `next`.
+    #[must_use]
+    fn then(self, next: Self) -> Self;
+}
+
+/// A stretch of scalars, run through in both directions: what it emits in `N` channels.
 #[derive(Clone, Copy, Debug)]
-struct Stretch {
+struct Stretch<const N: usize> {
     /// Colour towards the low end, for a segment that starts there.
-    rising: [f64; 3],
+    rising: [f64; N],
     /// Colour towards the high end, for a segment that starts there.
-    falling: [f64; 3],
+    falling: [f64; N],
     depth: f64,
     transmittance: f64,
 }
 
-impl Stretch {
+impl<const N: usize> Composite for Stretch<N> {
     const EMPTY: Self = Self {
-        rising: [0.0; 3],
-        falling: [0.0; 3],
+        rising: [0.0; N],
+        falling: [0.0; N],
         depth: 0.0,
         transmittance: 1.0,
     };
 
-    /// `self` and behind it, at higher scalars, `next`.
     fn then(self, next: Self) -> Self {
         Self {
             rising: over(self.rising, self.transmittance, next.rising),
@@ -106,23 +126,48 @@ impl Stretch {
     }
 }
 
-fn over(front: [f64; 3], transmittance: f64, back: [f64; 3]) -> [f64; 3] {
+fn over<const N: usize>(front: [f64; N], transmittance: f64, back: [f64; N]) -> [f64; N] {
     std::array::from_fn(|i| front[i] + transmittance * back[i])
 }
 
-/// One entry for each pair of neighbours `i`, `i + d`: rising (front `i`) and falling (front `i + d`).
-type Diagonal = Vec<([f32; 4], [f32; 4])>;
+/// Rising (front `i`) and falling (front `i + d`).
+type Pair = ([f32; 4], [f32; 4]);
 
 fn build(transfer: &TransferFunction, n: u32, segment_length: f64) -> PreintegratedTable {
     let cells = Cells::integrate(transfer, n);
-    let diagonals: Vec<Diagonal> = (0..n as usize)
+    let constant = |i| {
+        let s = node(transfer.range(), n, i);
+        let depth = transfer.extinction(s) * segment_length;
+        let opacity = opacity_from_extinction(depth);
+        packed(transfer.color(s).map(|c| c * opacity), depth)
+    };
+    let stretch = |cell, cells_of_segment| cells.stretch(cell, segment_length / cells_of_segment);
+    let pack = |w: Stretch<3>, _| (packed(w.rising, w.depth), packed(w.falling, w.depth));
+    PreintegratedTable {
+        size: n,
+        entries: tabulate(n, constant, stretch, pack),
+    }
+}
+
+/// All pairs of `n` scalars, `[front + n * back]`: `constant` is the entry from a scalar to itself, `stretch` a cell
+/// where a segment has so many, and `pack` makes entries of a window of so many cells.
+fn tabulate<S: Composite>(
+    n: u32,
+    constant: impl Fn(u32) -> [f32; 4] + Sync,
+    stretch: impl Fn(usize, f64) -> S + Sync,
+    pack: impl Fn(S, f64) -> Pair + Sync,
+) -> Vec<[f32; 4]> {
+    let size = n as usize;
+    let diagonals: Vec<Vec<Pair>> = (0..size)
         .into_par_iter()
         .map(|d| match d {
-            0 => constants(transfer, n, segment_length),
-            _ => diagonal(&cells, d, segment_length / d as f64),
+            0 => (0..n).map(&constant).map(|entry| (entry, entry)).collect(),
+            _ => {
+                let stretches = (0..size - 1).map(|cell| stretch(cell, d as f64)).collect();
+                diagonal(stretches, d, |window| pack(window, d as f64))
+            }
         })
         .collect();
-    let size = n as usize;
     let mut entries = vec![[0.0; 4]; size * size];
     entries
         .par_chunks_mut(size)
@@ -136,32 +181,20 @@ fn build(transfer: &TransferFunction, n: u32, segment_length: f64) -> Preintegra
                 };
             }
         });
-    PreintegratedTable { size: n, entries }
+    entries
 }
 
-fn constants(transfer: &TransferFunction, n: u32, segment_length: f64) -> Diagonal {
-    let entry = |i| {
-        let s = node(transfer.range(), n, i);
-        let depth = transfer.extinction(s) * segment_length;
-        let opacity = opacity_from_extinction(depth);
-        packed(transfer.color(s).map(|c| c * opacity), depth)
-    };
-    (0..n).map(entry).map(|entry| (entry, entry)).collect()
-}
-
-/// All windows of `d` cells, each cell `cell_length` reference lengths long.
-fn diagonal(cells: &Cells, d: usize, cell_length: f64) -> Diagonal {
-    let stretches: Vec<Stretch> = (0..cells.len())
-        .map(|cell| cells.stretch(cell, cell_length))
-        .collect();
+/// All windows of `d` cells.
+fn diagonal<S: Composite>(stretches: Vec<S>, d: usize, pack: impl Fn(S) -> Pair) -> Vec<Pair> {
+    let cells = stretches.len();
     // Composite from the start of the block of d cells up to and with this one; and from this one to its end.
     let (mut heads, mut tails) = (stretches.clone(), stretches);
-    for i in 1..heads.len() {
+    for i in 1..cells {
         if i % d != 0 {
             heads[i] = heads[i - 1].then(heads[i]);
         }
     }
-    for i in (1..tails.len()).rev() {
+    for i in (1..cells).rev() {
         if i % d != 0 {
             tails[i - 1] = tails[i - 1].then(tails[i]);
         }
@@ -174,10 +207,7 @@ fn diagonal(cells: &Cells, d: usize, cell_length: f64) -> Diagonal {
             tails[start].then(head)
         }
     };
-    (0..=cells.len() - d)
-        .map(window)
-        .map(|w| (packed(w.rising, w.depth), packed(w.falling, w.depth)))
-        .collect()
+    (0..=cells - d).map(window).map(pack).collect()
 }
 
 fn packed([r, g, b]: [f64; 3], depth: f64) -> [f32; 4] {

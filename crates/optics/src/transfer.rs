@@ -11,6 +11,7 @@ use volgraph_report::{Finding, Findings, Place};
 
 use crate::curve::Curve;
 use crate::file;
+use crate::material::MaterialField;
 
 /// Extinction per reference length that opacity 1 stands for: it leaves a transmittance of 1.1e-7.
 pub const MAX_EXTINCTION_FROM_OPACITY: f64 = 16.0;
@@ -108,6 +109,7 @@ pub struct TransferFunction {
     pub(crate) absorption: Absorption,
     /// `None` where the file has none: 1 everywhere.
     pub(crate) refraction: Option<Curve<1>>,
+    pub(crate) material: MaterialField,
 }
 
 impl TransferFunction {

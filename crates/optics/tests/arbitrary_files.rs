@@ -53,13 +53,45 @@ fn valid_text() -> impl Strategy<Value = String> {
         (1.0..=4.0).prop_map(|n: f64| format!("{n:?}")).boxed(),
     ))
     .prop_map(|list| list.map_or_else(String::new, |list| format!(", refraction: {list}")));
-    (domain, length, colors, absorption, refraction).prop_map(
-        |(domain, length, colors, absorption, refraction)| {
+    (domain, length, colors, absorption, refraction, material()).prop_map(
+        |(domain, length, colors, absorption, refraction, material)| {
             format!(
-                "(domain: {domain}, reference_length: {length}, color: {colors}, {absorption}{refraction})"
+                "(domain: {domain}, reference_length: {length}, color: {colors}, {absorption}{refraction}{material})"
             )
         },
     )
+}
+
+/// Position, ambient, diffuse, specular and shininess.
+type GivenPoint = (f64, Option<f64>, Option<f64>, f64, Option<f64>);
+
+/// No field `material`, or one of points that give one value or several.
+fn material() -> impl Strategy<Value = String> {
+    let fraction = || proptest::option::of(0.0..=1.0);
+    let shininess = proptest::option::of(1.0..=256.0);
+    let point = (-1e4..1e4, fraction(), fraction(), 0.0..=1.0, shininess);
+    proptest::collection::vec(point, 0..5).prop_map(|mut points: Vec<GivenPoint>| {
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut list = String::new();
+        for (at, ambient, diffuse, specular, shininess) in &points {
+            list += &format!("(at: {at:?}, specular: {specular:?}");
+            for (name, value) in [
+                ("shininess", shininess),
+                ("ambient", ambient),
+                ("diffuse", diffuse),
+            ] {
+                if let Some(value) = value {
+                    list += &format!(", {name}: {value:?}");
+                }
+            }
+            list += "), ";
+        }
+        if points.is_empty() {
+            list
+        } else {
+            format!(", material: [{list}]")
+        }
+    })
 }
 
 proptest! {
@@ -73,6 +105,7 @@ proptest! {
         Just("("), Just(")"), Just("["), Just("]"), Just(","), Just(":"), Just("points:"), Just("color:"),
         Just("opacity:"), Just("at:"), Just("map"), Just("name:"), Just("\"gray\""), Just("\"#\u{e9}\""),
         Just("1e400"), Just("-0.0"), Just("NaN"), Just("domain:"), Just("data"), Just("refraction:"), Just("0"), Just("1"),
+        Just("material:"), Just("ambient:"), Just("shininess:"),
     ], 0..40)) {
         let _ = parse(&format!("({})", words.concat()));
     }

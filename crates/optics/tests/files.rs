@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use volgraph_optics::{Domain, OpticsError, ReferenceLength, TransferFunction, color_map_names};
+use volgraph_optics::{
+    Domain, Material, OpticsError, ReferenceLength, TransferFunction, color_map_names,
+};
 use volgraph_report::Findings;
 
 fn parse(text: &str) -> Result<TransferFunction, Findings> {
@@ -237,15 +239,121 @@ fn each_wrong_file_has_its_code() {
             "(color: (1, 1, 1), color: (1, 1, 1), opacity: [(0, 1)])",
             "duplicate",
         ),
+        (
+            "(color: (1, 1, 1), opacity: [(0, 1)], material: [])",
+            "no-points",
+        ),
+        (
+            "(color: (1, 1, 1), opacity: [(0, 1)], material: [(at: 0)])",
+            "missing-field",
+        ),
+        (
+            "(color: (1, 1, 1), opacity: [(0, 1)], material: [(diffuse: 0.5)])",
+            "missing-field",
+        ),
+        (
+            "(color: (1, 1, 1), opacity: [(0, 1)], material: [(at: 2, diffuse: 0.5)])",
+            "out-of-range",
+        ),
+        (
+            "(color: (1, 1, 1), opacity: [(0, 1)], material: [(at: 0, shininess: 0.5)])",
+            "out-of-range",
+        ),
+        (
+            "(color: (1, 1, 1), opacity: [(0, 1)], material: (diffuse: 0.5))",
+            "wrong-type",
+        ),
     ] {
         assert!(codes(text).contains(&expected), "{text}: {:?}", codes(text));
     }
+    let many = "(at: 0, diffuse: 1), ".repeat(4097);
+    assert_eq!(
+        codes(&format!(
+            "(color: (1, 1, 1), opacity: [(0, 1)], material: [{many}])"
+        )),
+        ["too-large"]
+    );
     let many = "(0, 1), ".repeat(5000);
     assert_eq!(
         codes(&format!("(color: (1, 1, 1), opacity: [{many}])")),
         ["too-large"]
     );
     assert_eq!(codes(&" ".repeat(300 << 10)), ["too-large"]);
+}
+
+#[test]
+fn a_material_runs_between_the_points_that_give_it() {
+    let text =
+        "(color: (1, 1, 1), opacity: [(0, 1)], material: [(at: 0.2, ambient: 0.1, diffuse: 0.4),
+        (at: 0.3, specular: 0.5), (at: 0.4, diffuse: 0.8, shininess: 9), (at: 0.4, diffuse: 0)])";
+    let transfer = parse(text).unwrap();
+    let default = Material {
+        ambient: 0.7,
+        diffuse: 0.7,
+        specular: 0.7,
+        shininess: 70.0,
+    };
+    let values = |s: f64| {
+        let material = transfer.material(s, default);
+        [
+            material.ambient,
+            material.diffuse,
+            material.specular,
+            material.shininess,
+        ]
+    };
+    // Each for itself: the second point does not bend the diffuse fraction, and single points are constants.
+    for (s, diffuse) in [(0.0, 0.4), (0.2, 0.4), (0.3, 0.6), (0.4, 0.0), (1.0, 0.0)] {
+        let [ambient, value, specular, shininess] = values(s);
+        assert_eq!((ambient, specular, shininess), (0.1, 0.5, 9.0));
+        assert!((value - diffuse).abs() < 1e-12, "{s}: {value}");
+    }
+    let none = parse("(color: (1, 1, 1), opacity: [(0, 1)])").unwrap();
+    assert_eq!(none.material(0.5, default), default);
+    assert!(transfer.has_material() && !none.has_material());
+    // A file that says nothing of it has the text, and so the digest, that it always had.
+    assert!(!none.to_ron().contains("material"));
+    assert_eq!(
+        none.to_ron(),
+        transfer
+            .to_ron()
+            .split("    material")
+            .next()
+            .unwrap()
+            .to_owned()
+            + ")\n"
+    );
+    assert_ne!(none.digest(), transfer.digest());
+    assert_eq!(parse(&transfer.to_ron()).unwrap(), transfer);
+    // Positions in data units widen the range as others do.
+    let data = "(domain: data, color: (1, 1, 1), opacity: [(0, 0), (2, 1)], material: [(at: 5, diffuse: 1)])";
+    assert_eq!(parse(data).unwrap().range(), (0.0, 5.0));
+}
+
+#[test]
+fn everything_wrong_with_a_material_is_found_at_its_place() {
+    let text = "(color: (1, 1, 1), opacity: [(0, 1)], material: [
+    (at: 0.5, ambient: 1.5, diffuse: -0.1),
+    (at: 0.2, specular: NaN),
+    (at: 0.9, shininess: 300, shinines: 1),
+    (at: 0.9),
+    5,
+])";
+    assert_eq!(
+        findings(text),
+        [
+            ("out-of-range", 2, 24),
+            ("out-of-range", 2, 38),
+            ("decreasing", 3, 10),
+            ("wrong-type", 3, 25),
+            ("out-of-range", 4, 26),
+            ("unknown-field", 4, 31),
+            ("missing-field", 5, 5),
+            ("wrong-type", 6, 5),
+        ]
+    );
+    let all = parse(text).unwrap_err().to_string();
+    assert!(all.contains("did you mean `shininess`?"), "{all}");
 }
 
 #[test]
@@ -358,4 +466,16 @@ fn the_digest_sees_every_part() {
         digest(base),
         digest(&base.replace("(1, 1, 1)", "\"#ffffff\" /* white */"))
     );
+    let with =
+        |material: &str| digest(&base.replace("0.5)]", &format!("0.5)], material: [{material}]")));
+    let material = with("(at: 0.5, ambient: 0.5)");
+    for other in [
+        "(at: 0.6, ambient: 0.5)",
+        "(at: 0.5, ambient: 0.6)",
+        "(at: 0.5, diffuse: 0.5)",
+        "(at: 0.5, ambient: 0.5, specular: 0.5)",
+    ] {
+        assert_ne!(with(other), material, "{other}");
+    }
+    assert_ne!(digest(base), material);
 }

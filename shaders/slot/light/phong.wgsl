@@ -3,7 +3,6 @@
 #import "lib/classified.wgsl"
 #import "lib/phong.wgsl"
 #import "lib/surface.wgsl"
-#import slot "environment"
 #import slot "material"
 
 // Linear premultiplied colour of a segment towards the eye.
@@ -19,6 +18,5 @@ fn light_segment(classified: Classified, segment: Segment, ray: Ray) -> vec3f {
 
 // Linear colour of an opaque surface towards the eye.
 fn light_surface(color: vec3f, point: SurfacePoint, ray: Ray) -> vec3f {
-    let material = material_surface(color, point.scalar);
-    return phong_color(material, point.world, point.normal, -ray.direction, true) + environment_reflection(point, ray);
+    return phong_surface(color, point, ray);
 }

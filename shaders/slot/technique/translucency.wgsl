@@ -2,6 +2,7 @@
 // it goes inside of the solid before it comes to the point (Stegmaier et al. 2005, section 6), by colour, so that thin
 // parts glow when they are lit from behind. It lights the surface itself, without the slot `light`.
 #import "lib/crossing.wgsl"
+#import "lib/cut_face.wgsl"
 #import "lib/isovalue.wgsl"
 #import "lib/lights.wgsl"
 #import "lib/shadow_ray.wgsl"
@@ -12,44 +13,42 @@
 struct Params {
     /// Linear colour of the isosurface. @default 0.8 0.75 0.65 @range 0 1 @color
     surface_color: vec3f,
-    /// What is seen where a cut, or a face of the volume's box, lies in the solid: its face, or the hollow inside.
-    /// @default drawn @choices drawn open
-    cut_faces: u32,
     /// How strongly the solid attenuates red, green and blue light: the optical depth of half of the smallest side of the
     /// volume's box, so that it carries over between volumes. @default 2 5 9 @range 0 1000
     attenuation: vec3f,
     /// Share of the light that the surface passes on into all directions, whichever way it faces; the rest is
     /// reflected. @default 0.5 @range 0 1
     scattering: f32,
-    /// Sharpness of the highlight. @default 32 @range 1 256
-    shininess: f32,
 }
 
 struct TechniqueState {
     color: vec4f,
     depth: f32,
+    face: CutFace,
 }
 
 fn technique_begin(ray: Ray) -> TechniqueState {
-    return TechniqueState(vec4f(0.0), RAY_NO_DEPTH);
+    return TechniqueState(vec4f(0.0), RAY_NO_DEPTH, cut_face_begin());
 }
 
 fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ray>, segment: Segment) -> bool {
-    var distance = CROSSING_NONE;
+    var distance = 0.0;
     var normal = vec3f(0.0);
-    // The eye itself may be inside of the solid; then there is no face.
-    if segment.start == 0.0 && (*ray).near > 0.0 && params.cut_faces == 0u && isovalue_is_solid(segment.front.scalar) {
-        distance = 0.0;
+    var scalar = isovalue_level();
+    if cut_face_is_met((*state).face, *ray, segment) {
         normal = surface_entry_normal(*ray);
+        scalar = segment.front.scalar;
     } else {
-        distance = crossing_next(*ray, segment, isovalue_level(), -1.0);
+        distance = crossing_next(*ray, segment, scalar, -1.0);
         if distance == CROSSING_NONE {
+            (*state).face = cut_face_after(*ray, segment);
             return false;
         }
         normal = surface_gradient_normal(*ray, distance);
     }
-    let point = SurfacePoint(ray_world(*ray, distance), ray_position(*ray, distance), normal, isovalue_level());
-    *state = TechniqueState(vec4f(translucency_color(point, *ray), 1.0), (*ray).near + distance);
+    let point = SurfacePoint(ray_world(*ray, distance), ray_position(*ray, distance), normal, scalar);
+    (*state).color = vec4f(translucency_color(point, *ray), 1.0);
+    (*state).depth = (*ray).near + distance;
     return true;
 }
 
@@ -71,7 +70,7 @@ fn translucency_color(point: SurfacePoint, ray: Ray) -> vec3f {
         let arrives = light.color * exp(-params.attenuation * (inside / volume.half_side));
         let facing = max(dot(point.normal, light.direction), 0.0);
         let half_way = normalize(light.direction - ray.direction + 1.0e-6 * point.normal);
-        let highlight = pow(max(dot(point.normal, half_way), 0.0), params.shininess);
+        let highlight = pow(max(dot(point.normal, half_way), 0.0), material.shininess);
         let reflected = material.diffuse * facing + select(0.0, material.specular * highlight, facing > 0.0);
         color += arrives * mix(reflected, material.diffuse, params.scattering);
     }

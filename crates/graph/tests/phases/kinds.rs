@@ -202,7 +202,7 @@ pub struct Fake {
     pub inherited: &'static [Inherited],
 }
 
-const FAKES: [Fake; 8] = [
+const FAKES: [Fake; 9] = [
     Fake {
         name: "paint",
         inputs: &[
@@ -316,6 +316,7 @@ const FAKES: [Fake; 8] = [
         size: Size::Absolute([8, 8, 1]),
         dimensions: 2,
         follows_camera: false,
+        inherited: &[],
     },
     Fake {
         name: "upload",

@@ -56,13 +56,17 @@ pub(super) fn read_index(value: &Value<'_>) -> Result<[f64; 1], Finding> {
 }
 
 /// Positions must stay in `bounds` and not decrease.
-struct Order {
+pub(super) struct Order {
     bounds: Option<(f64, f64)>,
     last: Option<f64>,
 }
 
 impl Order {
-    fn read(&mut self, value: &Value<'_>) -> Result<f64, Finding> {
+    pub(super) fn new(bounds: Option<(f64, f64)>) -> Self {
+        Self { bounds, last: None }
+    }
+
+    pub(super) fn read(&mut self, value: &Value<'_>) -> Result<f64, Finding> {
         let at = read_position(value)?;
         let last = self.last.replace(at);
         if let Some((lo, hi)) = self.bounds.filter(|(lo, hi)| !(*lo..=*hi).contains(&at)) {
@@ -83,7 +87,7 @@ impl Order {
     }
 }
 
-fn items<'s>(findings: &mut Findings, value: &Value<'s>) -> Option<Vec<Value<'s>>> {
+pub(super) fn items<'s>(findings: &mut Findings, value: &Value<'s>) -> Option<Vec<Value<'s>>> {
     let items = findings.take(value.items())?;
     if items.is_empty() {
         findings.push(
@@ -112,7 +116,7 @@ pub(super) fn read_pairs<const N: usize>(
     bounds: Option<(f64, f64)>,
     read_value: impl Fn(&Value<'_>) -> Result<[f64; N], Finding>,
 ) -> Option<Points<N>> {
-    let mut order = Order { bounds, last: None };
+    let mut order = Order::new(bounds);
     let mut points = Points::new();
     let items = items(findings, value)?;
     for item in &items {
@@ -134,7 +138,7 @@ pub(super) fn read_points(
     value: &Value<'_>,
     bounds: Option<(f64, f64)>,
 ) -> Option<(Points<3>, Absorption)> {
-    let mut order = Order { bounds, last: None };
+    let mut order = Order::new(bounds);
     let (mut colors, mut opacities, mut extinctions) =
         (Points::new(), Points::new(), Points::new());
     let items = items(findings, value)?;

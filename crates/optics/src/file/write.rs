@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use crate::material::{Material, MaterialPoint};
 use crate::transfer::{Absorption, Domain, MapUse, ReferenceLength, TransferFunction};
 
 /// The canonical text: colour and opacity apart, every default spelled out, numbers in full.
@@ -36,7 +37,7 @@ pub(crate) fn write(transfer: &TransferFunction) -> String {
     let absorbed = list(transfer.absorption.curve().points(), |[value]| {
         format!("{value:?}")
     });
-    // Only where the file has one: the texts, and digests, of those without stay what they were.
+    // Only where the file has them: the texts, and digests, of those without stay what they were.
     let refraction = transfer
         .refraction
         .as_ref()
@@ -44,10 +45,30 @@ pub(crate) fn write(transfer: &TransferFunction) -> String {
             let indices = list(curve.points(), |[index]| format!("{index:?}"));
             format!("    refraction: {indices},\n")
         });
+    let material = match transfer.material.points() {
+        [] => String::new(),
+        points => material_list(points),
+    };
     format!(
         "(\n    domain: {domain},\n    reference_length: {reference_length},\n    color: {color},\n    \
-         {absorption}: {absorbed},\n{refraction})\n"
+         {absorption}: {absorbed},\n{refraction}{material})\n"
     )
+}
+
+fn material_list(points: &[MaterialPoint]) -> String {
+    let mut text = "    material: [".to_owned();
+    for (at, values) in points {
+        // Writing to a String cannot fail.
+        let _ = write!(text, "\n        (at: {at:?}");
+        for (name, value) in Material::NAMES.iter().zip(values) {
+            if let Some(value) = value {
+                let _ = write!(text, ", {name}: {value:?}");
+            }
+        }
+        text.push_str("),");
+    }
+    text.push_str("\n    ],\n");
+    text
 }
 
 fn list<const N: usize>(points: &[(f64, [f64; N])], value: impl Fn([f64; N]) -> String) -> String {

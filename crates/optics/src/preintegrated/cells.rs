@@ -5,13 +5,13 @@
 //! taken as linear in the share of the piece's optical depth passed, with the mean and the first moment that it
 //! really has, and that can be integrated exactly against the attenuation for any length.
 
-use super::Stretch;
+use super::{Composite, Stretch};
 use crate::post::node;
 use crate::transfer::Absorption;
 use crate::{MAX_EXTINCTION_FROM_OPACITY, TransferFunction, opacity_from_extinction};
 
 /// Nodes in 0..1 and weights of the Gauss-Legendre rule of eight points.
-const GAUSS: [(f64, f64); 8] = {
+pub(super) const GAUSS: [(f64, f64); 8] = {
     const HALF: [(f64, f64); 4] = [
         (0.183_434_642_495_649_8, 0.362_683_783_378_362),
         (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -35,7 +35,7 @@ fn gauss(f: impl Fn(f64) -> f64) -> f64 {
 }
 
 /// A part of a cell without a knot inside.
-struct Piece {
+pub(super) struct Piece {
     /// Its share of the cell's length.
     share: f64,
     /// Mean extinction per reference length.
@@ -47,15 +47,36 @@ struct Piece {
 }
 
 /// The `n - 1` cells between `n` entries.
-pub(super) struct Cells {
-    pieces: Vec<Piece>,
+pub(super) struct Cells<P> {
+    pieces: Vec<P>,
     /// The pieces of cell `i` are `starts[i]..starts[i + 1]`.
     starts: Vec<usize>,
 }
 
-impl Cells {
+impl Cells<Piece> {
     pub(super) fn integrate(transfer: &TransferFunction, n: u32) -> Self {
-        let knots = transfer.knots();
+        let piece = |from, to, share| Piece::integrate(transfer, from, to, share);
+        Self::of_pieces(transfer, n, &transfer.knots(), piece)
+    }
+
+    /// Cell `cell` where it is `length` reference lengths long.
+    pub(super) fn stretch(&self, cell: usize, length: f64) -> Stretch<3> {
+        self.pieces(cell)
+            .iter()
+            .fold(Stretch::EMPTY, |stretch, piece| {
+                stretch.then(piece.stretch(length))
+            })
+    }
+}
+
+impl<P> Cells<P> {
+    /// Cuts at `knots`, and makes each piece of its ends and its share of the cell.
+    pub(super) fn of_pieces(
+        transfer: &TransferFunction,
+        n: u32,
+        knots: &[f64],
+        piece: impl Fn(f64, f64, f64) -> P,
+    ) -> Self {
         let mut cells = Self {
             pieces: Vec::new(),
             starts: vec![0],
@@ -69,12 +90,7 @@ impl Cells {
             let inside = knots[first..].iter().copied().take_while(|knot| *knot < hi);
             let mut from = lo;
             for to in inside.chain([hi]) {
-                cells.pieces.push(Piece::integrate(
-                    transfer,
-                    from,
-                    to,
-                    (to - from) / (hi - lo),
-                ));
+                cells.pieces.push(piece(from, to, (to - from) / (hi - lo)));
                 from = to;
             }
             cells.starts.push(cells.pieces.len());
@@ -82,17 +98,9 @@ impl Cells {
         cells
     }
 
-    pub(super) fn len(&self) -> usize {
-        self.starts.len() - 1
-    }
-
-    /// Cell `cell` where it is `length` reference lengths long.
-    pub(super) fn stretch(&self, cell: usize, length: f64) -> Stretch {
-        self.pieces[self.starts[cell]..self.starts[cell + 1]]
-            .iter()
-            .fold(Stretch::EMPTY, |stretch, piece| {
-                stretch.then(piece.stretch(length))
-            })
+    /// The pieces of cell `cell`, towards higher scalars.
+    pub(super) fn pieces(&self, cell: usize) -> &[P] {
+        &self.pieces[self.starts[cell]..self.starts[cell + 1]]
     }
 }
 
@@ -121,7 +129,7 @@ impl Piece {
         }
     }
 
-    fn stretch(&self, length: f64) -> Stretch {
+    fn stretch(&self, length: f64) -> Stretch<3> {
         let depth = self.extinction * self.share * length;
         let transmittance = (-depth).exp();
         let opacity = opacity_from_extinction(depth);
@@ -136,7 +144,7 @@ impl Piece {
 }
 
 /// `∫₀¹ (x - ½) T exp(-T x) dx`, at most 0: how much more the near half of a piece of depth `T` is seen.
-fn skew(depth: f64, opacity: f64, transmittance: f64) -> f64 {
+pub(super) fn skew(depth: f64, opacity: f64, transmittance: f64) -> f64 {
     if depth < 1e-2 {
         // The closed form cancels here; the next term of the series is below 1e-15.
         let t = depth;
@@ -147,7 +155,7 @@ fn skew(depth: f64, opacity: f64, transmittance: f64) -> f64 {
 }
 
 /// The extinction over a piece, at `t` in 0..1.
-enum Profile {
+pub(super) enum Profile {
     /// `-ln(1 - α)` of an opacity that goes linearly from the first to the second, both below the cap.
     Opacity(f64, f64),
     /// Linear from the first to the second.
@@ -155,7 +163,7 @@ enum Profile {
 }
 
 impl Profile {
-    fn over(absorption: &Absorption, from: f64, to: f64) -> Self {
+    pub(super) fn over(absorption: &Absorption, from: f64, to: f64) -> Self {
         let ([a], [b]) = absorption.curve().over(from, to);
         match absorption {
             Absorption::Extinction(_) => Self::Linear(a, b),
@@ -172,7 +180,7 @@ impl Profile {
     }
 
     /// `∫₀ᵗ τ`.
-    fn integral(&self, t: f64) -> f64 {
+    pub(super) fn integral(&self, t: f64) -> f64 {
         match *self {
             Self::Linear(a, b) => t * (a + 0.5 * t * (b - a)),
             Self::Opacity(a, b) => t * mean_extinction(a, a + t * (b - a)),

@@ -2,6 +2,8 @@ use std::path::Path;
 
 use super::*;
 
+mod lit;
+
 fn transfer(text: &str) -> TransferFunction {
     TransferFunction::parse(Path::new("test.ron"), text).unwrap()
 }
