@@ -15,7 +15,7 @@ use volgraph_report::{Finding, Findings, Place};
 
 use crate::desc::ParamDesc;
 use crate::graph::{Graph, Link, Node, NodeBody, NodeId, Origin, Program};
-use crate::kind::{Demand, ProgramSpec, Requirement};
+use crate::kind::{Demand, InputPort, ProgramSpec, Requirement};
 use crate::limits::Limits;
 use crate::node_context::NodeContext;
 use crate::registry::Registry;
@@ -184,6 +184,7 @@ fn is_texture(ty: crate::PortType) -> bool {
             | P::Table2d
             | P::VolumeTexture
             | P::GradientTexture
+            | P::LabelTexture
             | P::ImageTexture
     )
 }
@@ -215,6 +216,12 @@ fn fulfil(
     let mut inputs = BTreeMap::new();
     for (theirs, mine) in demand.inputs {
         let Some(link) = by.inputs.get(*mine) else {
+            let is_optional = |port: &InputPort| {
+                port.name == *theirs && port.requirement == Requirement::Optional
+            };
+            if kind.inputs().iter().any(is_optional) {
+                continue;
+            }
             let used_at = by.program.as_ref().and_then(|program| {
                 program
                     .used()

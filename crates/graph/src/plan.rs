@@ -140,7 +140,7 @@ impl Plan {
                 .iter()
                 .flat_map(|program| program.used())
             {
-                if matches!(binding.kind, BindingKind::Uniform(_)) {
+                if self.fills(id, binding) {
                     findings.take(self.uniform_bytes(id, binding, &view, None));
                 }
             }
@@ -219,7 +219,55 @@ impl Plan {
         }
     }
 
-    /// The bytes of a uniform binding of one node in a frame.
+    /// Whether a binding is filled with [`Self::uniform_bytes`]: a uniform, or the table of parameters.
+    #[must_use]
+    pub fn fills(&self, id: NodeId, binding: &Binding) -> bool {
+        match &binding.kind {
+            BindingKind::Uniform(_) => true,
+            BindingKind::StorageBuffer { .. } => {
+                binding_source(&self.graph.nodes[id], binding) == Ok(BindingSource::Params)
+            }
+            _ => false,
+        }
+    }
+
+    /// The rows of the table of parameters, one after the other: the node's own first.
+    fn param_rows(&self, id: NodeId, binding: &Binding) -> Result<Vec<u8>, Finding> {
+        let node = &self.graph.nodes[id];
+        let layout = node
+            .program
+            .as_ref()
+            .and_then(|program| program.module.struct_layout("Params"));
+        let (Some(kind), Some(layout)) = (node.kind(), layout) else {
+            return Err(Finding::error(
+                "internal",
+                format!("node `{}` has no parameters to select", node.name),
+            ));
+        };
+        let context = NodeContext::new(&self.graph, id, &self.limits);
+        let rows = kind.param_rows(&context).into_iter().map(Some);
+        let mut bytes = Vec::new();
+        for row in std::iter::once(None).chain(rows) {
+            let mut writer = UniformWriter::new(&layout);
+            let mut result = Ok(());
+            for spec in node.specs() {
+                let given = row.and_then(|row| row.get(&spec.name));
+                let value = given.map(|given| &given.value);
+                let value = value.or_else(|| node.params.get(&spec.name));
+                if let (true, Some(value)) = (writer.has(&spec.name), value) {
+                    result = result.and(writer.set_param(&spec, value).map(|_| ()));
+                }
+            }
+            let row = result.and_then(|()| writer.finish());
+            bytes.extend(row.map_err(|error| {
+                Finding::error("uniform", format!("a row of the parameters: {error}"))
+                    .at(binding.place.clone())
+            })?);
+        }
+        Ok(bytes)
+    }
+
+    /// The bytes of a binding of one node in a frame that [`Self::fills`] says it has.
     ///
     /// # Errors
     /// Where the shader's struct asks for a member that nobody fills, or of another type.
@@ -231,6 +279,9 @@ impl Plan {
         variant: Option<&str>,
     ) -> Result<Vec<u8>, Finding> {
         let node = &self.graph.nodes[id];
+        if self.fills(id, binding) && matches!(binding.kind, BindingKind::StorageBuffer { .. }) {
+            return self.param_rows(id, binding);
+        }
         let BindingKind::Uniform(layout) = &binding.kind else {
             return Err(Finding::error(
                 "internal",

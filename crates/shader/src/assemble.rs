@@ -2,6 +2,9 @@
 //!
 //! The order: the directives of all files, each once; one `struct Params` with the members of all, and its
 //! binding; the files without what was taken out of them. Each piece is noted with where it comes from.
+//!
+//! Parameters are a uniform. Where a file calls `params_select(row)` they are a table of rows instead, and `params` is a
+//! variable that the call fills: whoever reads `params` reads those of the row that was selected last.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -10,8 +13,20 @@ use std::path::PathBuf;
 use volgraph_report::{Finding, Findings, Place};
 
 use crate::linked::{Builder, Declared, MergedParam, import_chain};
-use crate::scan::Scan;
+use crate::scan::{PARAMS_SELECT, Scan};
 use crate::{Linked, LinkedFile};
+
+/// What follows the members of `struct Params` where rows of a table are selected.
+const PARAMS_TABLE: &str = "}
+@group(3) @binding(0) var<storage, read> params_table: array<Params>;
+var<private> params: Params;
+fn params_select(row: u32) {
+    params = params_table[row];
+}
+";
+
+/// Where no file has parameters, there is nothing to select.
+const NO_PARAMS_TO_SELECT: &str = "fn params_select(row: u32) {}\n";
 
 /// The largest linked text, in bytes; it bounds what naga works on.
 const MAX_LINKED_BYTES: usize = 1 << 20;
@@ -107,6 +122,10 @@ impl Assembler {
             })
         };
         let Some((first_file, _, first)) = structs().next() else {
+            let caller = self.files.iter().position(|(_, scan)| scan.selects_params);
+            if let Some(caller) = caller {
+                builder.make(NO_PARAMS_TO_SELECT, caller, 0..0);
+            }
             return;
         };
         builder.make("struct Params {\n", first_file, first.name.clone());
@@ -116,8 +135,16 @@ impl Assembler {
                 builder.make(",\n", at, member.range.end..member.range.end);
             }
         }
-        let tail = "}\n@group(3) @binding(0) var<uniform> params: Params;\n";
+        let tail = if self.selects_params() {
+            PARAMS_TABLE
+        } else {
+            "}\n@group(3) @binding(0) var<uniform> params: Params;\n"
+        };
         builder.make(tail, first_file, first.name.clone());
+    }
+
+    fn selects_params(&self) -> bool {
+        self.files.iter().any(|(_, scan)| scan.selects_params)
     }
 
     /// The members of all `struct Params`; a finding for each name that is there twice.
@@ -172,8 +199,11 @@ impl Assembler {
             .flat_map(|(at, (_, scan))| scan.params.iter().map(move |params| (at, params)))
             .next();
         if let Some((file, params)) = first {
-            declared.extend(["Params", "params"].map(|name| Declared {
-                name: name.to_owned(),
+            let of_table = ["params_table", PARAMS_SELECT];
+            let of_table = of_table.iter().filter(|_| self.selects_params());
+            let names = ["Params", "params"].iter().chain(of_table);
+            declared.extend(names.map(|name| Declared {
+                name: (*name).to_owned(),
                 file,
                 range: params.name.clone(),
                 docs: Vec::new(),
