@@ -1,6 +1,7 @@
 // The parts of a ray that are seen, from front to back: what `clip` leaves of it, cut where the `labels` change. Every
 // walk through the volume goes over them, that of a shadow as well; each part is a ray of its own, whose entry is the
-// part's start. So segments are whole from a cut on, and no technique needs to know of cuts.
+// part's start. So segments are whole from a cut on, and no technique needs to know of cuts. With a part its label is
+// selected: whoever looks at other parts in between selects the label back that he found (`labels_selected`).
 #import "lib/volume.wgsl"
 #import slot "clip"
 #import slot "labels"
@@ -23,6 +24,22 @@ fn parts_begin(ray: Ray) -> Parts {
 
 // Moves the ray on to its next part; false where there is none. A ray that has been bent goes on from where it was.
 fn parts_next(parts: ptr<function, Parts>, ray: ptr<function, Ray>) -> bool {
+    // What is visible is the node's own matter, and no label's.
+    labels_select(STRETCH_NO_LABEL);
+    for (var turn = 0u; turn < PARTS_MAX; turn++) {
+        if !parts_one_more(parts, ray) {
+            return false;
+        }
+        if labels_is_visible((*ray).label) {
+            labels_select((*ray).label);
+            return true;
+        }
+    }
+    return false;
+}
+
+// The next part, of whatever label.
+fn parts_one_more(parts: ptr<function, Parts>, ray: ptr<function, Ray>) -> bool {
     if (*ray).bends != (*parts).bends {
         *parts = parts_begin(*ray);
     }

@@ -1,6 +1,7 @@
 // Blinn-Phong: what lights make of a material.
 #import "lib/lights.wgsl"
 #import "lib/material.wgsl"
+#import slot "labels"
 #import slot "shadow"
 
 struct Params {
@@ -18,7 +19,9 @@ fn phong_color(material: Material, world: vec3f, normal: vec3f, to_eye: vec3f, i
         if diffuse > 0.0 {
             let half_way = normalize(light.direction + to_eye + 1.0e-6 * normal);
             let highlight = pow(max(dot(normal, half_way), 0.0), params.shininess);
+            let label = labels_selected();
             let reaches = shadow_transmittance(world, select(vec3f(0.0), normal, is_surface), light, index);
+            labels_select(label);
             color += reaches * light.color * (material.diffuse * diffuse + vec3f(material.specular * highlight));
         }
     }

@@ -3,16 +3,17 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use volgraph_graph::{
-    Demand, InputPort, Mesh, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec,
+    Demand, InputPort, Mesh, NodeContext, NodeKind, OutputPort, ParamRow, Pass, PortType, ProgramSpec,
     Requirement, ResourceDesc, Size, SlotSpec, Uniform,
 };
-use volgraph_optics::Domain;
+use volgraph_optics::{Domain, TransferFunction};
 use volgraph_report::Finding;
-use volgraph_shader::{ParamSpec, UniformValue};
+use volgraph_shader::{ParamSpec, ParamValue, UniformValue};
 use wgpu_types::TextureFormat;
 
 use crate::placement::{self, f32_value};
-use crate::{preintegration, proxy_box, transfer_table, volume_texture};
+use crate::source::segments::SegmentsSource;
+use crate::{preintegration, proxy_box, segmentation, transfer_table, volume_texture};
 
 /// The node kind `raycast`.
 pub struct Raycast;
@@ -35,6 +36,18 @@ const INPUTS: &[InputPort] = &[
         ty: PortType::Transfer,
         requirement: Requirement::Optional,
         doc: "The transfer function, for techniques that classify.",
+    },
+    InputPort {
+        name: "labels",
+        ty: PortType::Volume,
+        requirement: Requirement::Optional,
+        doc: "What the volume is made of, a whole number of 0 to 255 per voxel; outside of it is label 0.",
+    },
+    InputPort {
+        name: "segments",
+        ty: PortType::Segments,
+        requirement: Requirement::Optional,
+        doc: "What the labels mean; they are all drawn alike where it is open.",
     },
     InputPort {
         name: "behind",
@@ -91,6 +104,46 @@ const INPUTS: &[InputPort] = &[
             slots: &[],
         }),
         doc: "The transfer function integrated over segments.",
+    },
+    InputPort {
+        name: "label_texture",
+        ty: PortType::LabelTexture,
+        requirement: Requirement::Demanded(Demand {
+            kind: "label_texture",
+            inputs: &[("labels", "labels")],
+            params: &[],
+            slots: &[],
+        }),
+        doc: "The labels on the device.",
+    },
+    InputPort {
+        name: "transfer_tables",
+        ty: PortType::Table1d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "transfer_table",
+            inputs: &[("transfer", "transfer"), ("segments", "segments")],
+            params: &[("table_size", "table_size")],
+            slots: &[],
+        }),
+        doc: "The transfer functions of all labels as rows of a table.",
+    },
+    InputPort {
+        name: "preintegration_tables",
+        ty: PortType::Table2d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "preintegration",
+            inputs: &[
+                ("transfer", "transfer"),
+                ("segments", "segments"),
+                ("volume", "volume"),
+            ],
+            params: &[
+                ("step", "step"),
+                ("preintegration_size", "preintegration_size"),
+            ],
+            slots: &[],
+        }),
+        doc: "The transfer functions of all labels integrated over segments.",
     },
 ];
 
@@ -224,6 +277,7 @@ impl NodeKind for Raycast {
     }
 
     fn params(&self) -> Vec<ParamSpec> {
+        let [label_boundary, label_placement] = segmentation::params();
         vec![
             ParamSpec::choice(
                 "stage",
@@ -234,6 +288,8 @@ impl NodeKind for Raycast {
             volume_texture::storage_param(),
             transfer_table::size_param(),
             preintegration::size_param(),
+            label_boundary,
+            label_placement,
         ]
     }
 
@@ -242,7 +298,7 @@ impl NodeKind for Raycast {
     }
 
     fn uniforms(&self) -> &[&'static str] {
-        &["volume", "transfer", "tile"]
+        &["volume", "transfer", "tile", "segmentation", "transfers"]
     }
 
     fn program(&self, node: &NodeContext<'_>) -> Option<ProgramSpec> {
@@ -258,6 +314,11 @@ impl NodeKind for Raycast {
         } else {
             "none"
         };
+        let tables = if segmentation::has_labels(node) {
+            "many"
+        } else {
+            "one"
+        };
         let layers = LAYERS.map(|layer| {
             let choice = if node.is_wanted(layer) {
                 "written"
@@ -269,6 +330,7 @@ impl NodeKind for Raycast {
         let mut fixed_slots = BTreeMap::from(layers);
         fixed_slots.extend([
             ("behind".to_owned(), behind.to_owned()),
+            (segmentation::TABLES_SLOT.to_owned(), tables.to_owned()),
             placement::filter_slot(node),
         ]);
         Some(ProgramSpec {
@@ -305,6 +367,7 @@ impl NodeKind for Raycast {
             _ => TextureFormat::R32Float,
         };
         check_table_sizes(node)?;
+        check_tables_of_labels(node)?;
         Ok(ResourceDesc::Texture {
             dimensions: 2,
             size: Size::ViewRelative(1.0),
@@ -315,12 +378,23 @@ impl NodeKind for Raycast {
     fn uniform(&self, name: &str, node: &NodeContext<'_>) -> Result<Uniform, Finding> {
         match name {
             "volume" => placement::uniform(node),
-            "transfer" => transfer_uniform(node),
+            "transfer" => {
+                let transfer = transfer_table::transfer(node, "transfer")?;
+                transfer_uniform(node, &transfer, ["transfer_table", "preintegration_table"])
+            }
+            "transfers" => segmentation::transfers_uniform(node),
+            "segmentation" => segmentation::uniform(node),
             _ => Ok(vec![(
                 "first",
                 UniformValue::UVec2(tile(node)?.map_or([0; 2], |tile| [tile[0], tile[1]])),
             )]),
         }
+    }
+
+    fn param_rows<'g>(&self, node: &NodeContext<'g>) -> Vec<&'g ParamRow> {
+        segmentation::segments(node)
+            .map(SegmentsSource::param_rows)
+            .unwrap_or_default()
     }
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
@@ -372,6 +446,8 @@ fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
     for (port, param) in [
         ("transfer_table", "table_size"),
         ("preintegration_table", "preintegration_size"),
+        ("transfer_tables", "table_size"),
+        ("preintegration_tables", "preintegration_size"),
     ] {
         if let Some(writer) = node.writer(port)
             && writer.uint(param) < 2
@@ -385,6 +461,31 @@ fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
     Ok(())
 }
 
+/// A table of one transfer function cannot serve labels that have others.
+fn check_tables_of_labels(node: &NodeContext<'_>) -> Result<(), Finding> {
+    let has_others =
+        segmentation::segments(node).is_some_and(|segments| !segments.transfers.is_empty());
+    let is_of_one = |port: &&InputPort| match port.requirement {
+        Requirement::Demanded(demand) => {
+            let is_made_of = |mine: &str| demand.inputs.iter().any(|(_, it)| *it == mine);
+            is_made_of("transfer") && !is_made_of("segments") && node.uses_binding(port.name)
+        }
+        _ => false,
+    };
+    match INPUTS.iter().find(is_of_one).filter(|_| has_others) {
+        None => Ok(()),
+        Some(port) => Err(node
+            .error(
+                "labels-unsupported",
+                format!(
+                    "labels have transfer functions of their own, but its shader reads `{}`, which is made of one",
+                    port.name
+                ),
+            )
+            .help("choose the slot `classify` \"post\" or \"preintegrated_2d\"")),
+    }
+}
+
 /// Most segments of a ray: software drivers end loops after 65,535 turns, and a GPU would be busy for seconds.
 const MAX_SEGMENTS: f64 = 65_535.0;
 
@@ -396,7 +497,15 @@ fn check_segments(node: &NodeContext<'_>) -> Result<(), Finding> {
         .iter()
         .flat_map(|from| corners.iter().map(move |to| from.distance(*to)));
     let longest = pairs.fold(0.0, f64::max);
-    let step = node.float("step") * grid.min_spacing();
+    // Labels may have steps of their own.
+    let rows = Raycast.param_rows(node).into_iter();
+    let steps = rows.filter_map(|row| match row.get("step")?.value {
+        ParamValue::Float(step) => Some(step),
+        #[expect(clippy::cast_precision_loss, reason = "steps are small")]
+        ParamValue::Int(step) => Some(step as f64),
+        _ => None,
+    });
+    let step = steps.fold(node.float("step"), f64::min) * grid.min_spacing();
     let segments = (longest / step).ceil();
     if step > 0.0 && segments > MAX_SEGMENTS {
         return Err(node
@@ -409,9 +518,12 @@ fn check_segments(node: &NodeContext<'_>) -> Result<(), Finding> {
     Ok(())
 }
 
-/// The members of the uniform `transfer` (see `lib/transfer.wgsl`).
-fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
-    let transfer = transfer_table::transfer(node, "transfer")?;
+/// The members of the uniform `transfer` (see `lib/transfer_row.wgsl`), for tables at these ports.
+pub(crate) fn transfer_uniform(
+    node: &NodeContext<'_>,
+    transfer: &TransferFunction,
+    [table, preintegration_table]: [&str; 2],
+) -> Result<Uniform, Finding> {
     let volume = placement::volume(node, "volume")?;
     let (mut low, mut high) = transfer.range();
     if transfer.domain() == Domain::Normalised {
@@ -423,10 +535,10 @@ fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
         node.writer(port)
             .map_or(1.0, |writer| f64::from(writer.uint(param).max(2) - 1))
     };
-    let entries = last("transfer_table", "table_size");
-    let preintegration = last("preintegration_table", "preintegration_size");
+    let entries = last(table, "table_size");
+    let preintegration = last(preintegration_table, "preintegration_size");
     let preintegration_step = node
-        .writer("preintegration_table")
+        .writer(preintegration_table)
         .map_or(1.0, |writer| writer.float("step"));
     // Shaders count scalars from the encoding's reference.
     let reference = placement::encoding(node)?.reference;
