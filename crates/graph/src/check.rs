@@ -34,7 +34,7 @@ pub enum BindingSource {
 }
 
 /// The binding of the parameters where they are a table.
-const PARAMS_TABLE: &str = "params_table";
+pub(crate) const PARAMS_TABLE: &str = "params_table";
 
 /// The samplers there are: all clamp to the edge but the last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -75,7 +75,7 @@ pub fn binding_source(node: &Node, binding: &Binding) -> Result<BindingSource, F
         BindingKind::Uniform(_) => match name {
             "lens" => return Ok(BindingSource::Lens),
             "camera" => return Ok(BindingSource::Camera),
-            "params" => return Ok(BindingSource::Params),
+            "params" | PARAMS_TABLE => return Ok(BindingSource::Params),
             _ if kind.uniforms().contains(&name) => {
                 return Ok(BindingSource::Uniform(name.to_owned()));
             }
@@ -87,9 +87,6 @@ pub fn binding_source(node: &Node, binding: &Binding) -> Result<BindingSource, F
             "repeat_sampler" => return Ok(BindingSource::Sampler(SamplerKind::Repeat)),
             _ => {}
         },
-        BindingKind::StorageBuffer {
-            read_only: true, ..
-        } if name == PARAMS_TABLE => return Ok(BindingSource::Params),
         _ => {
             if let Some(port) = name
                 .strip_suffix("_out")

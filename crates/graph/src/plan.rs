@@ -7,10 +7,12 @@ use glam::DVec3;
 use indexmap::IndexMap;
 use serde::Serialize;
 use volgraph_report::{Finding, Findings};
-use volgraph_shader::{Binding, BindingKind, UniformValue, UniformWriter};
+use volgraph_shader::{
+    Binding, BindingKind, MemberType, StructLayout, UniformValue, UniformWriter,
+};
 
 use crate::camera::{Camera, CameraDesc, View};
-use crate::check::{BindingSource, binding_source, check};
+use crate::check::{BindingSource, PARAMS_TABLE, binding_source, check};
 use crate::cull::cull;
 use crate::demand::{ShaderLibrary, demand};
 use crate::desc::GraphDesc;
@@ -140,7 +142,7 @@ impl Plan {
                 .iter()
                 .flat_map(|program| program.used())
             {
-                if self.fills(id, binding) {
+                if matches!(binding.kind, BindingKind::Uniform(_)) {
                     findings.take(self.uniform_bytes(id, binding, &view, None));
                 }
             }
@@ -219,35 +221,46 @@ impl Plan {
         }
     }
 
-    /// Whether a binding is filled with [`Self::uniform_bytes`]: a uniform, or the table of parameters.
-    #[must_use]
-    pub fn fills(&self, id: NodeId, binding: &Binding) -> bool {
-        match &binding.kind {
-            BindingKind::Uniform(_) => true,
-            BindingKind::StorageBuffer { .. } => {
-                binding_source(&self.graph.nodes[id], binding) == Ok(BindingSource::Params)
-            }
-            _ => false,
-        }
-    }
-
-    /// The rows of the table of parameters, one after the other: the node's own first.
-    fn param_rows(&self, id: NodeId, binding: &Binding) -> Result<Vec<u8>, Finding> {
+    /// The table of parameters, the node's own in its first row. Rows that nobody selects are zeros.
+    fn param_rows(
+        &self,
+        id: NodeId,
+        binding: &Binding,
+        table: &StructLayout,
+    ) -> Result<Vec<u8>, Finding> {
         let node = &self.graph.nodes[id];
         let layout = node
             .program
             .as_ref()
             .and_then(|program| program.module.struct_layout("Params"));
-        let (Some(kind), Some(layout)) = (node.kind(), layout) else {
-            return Err(Finding::error(
-                "internal",
-                format!("node `{}` has no parameters to select", node.name),
-            ));
+        let array = table.members.first().map(|member| &member.ty);
+        let (
+            Some(kind),
+            Some(layout),
+            Some(MemberType::Array {
+                count: Some(count),
+                stride,
+                ..
+            }),
+        ) = (node.kind(), layout, array)
+        else {
+            let message = format!("node `{}` has no parameters to select", node.name);
+            return Err(Finding::error("internal", message));
         };
         let context = NodeContext::new(&self.graph, id, &self.limits);
-        let rows = kind.param_rows(&context).into_iter().map(Some);
+        let rows = kind.param_rows(&context);
+        if rows.len() >= *count as usize {
+            let message = format!(
+                "{} labels have parameters of their own, of {} at most",
+                rows.len(),
+                count - 1
+            );
+            return Err(context
+                .error("over-limit", message)
+                .help("give labels the same parameters where they need no others"));
+        }
         let mut bytes = Vec::new();
-        for row in std::iter::once(None).chain(rows) {
+        for row in std::iter::once(None).chain(rows.into_iter().map(Some)) {
             let mut writer = UniformWriter::new(&layout);
             let mut result = Ok(());
             for spec in node.specs() {
@@ -258,16 +271,19 @@ impl Plan {
                     result = result.and(writer.set_param(&spec, value).map(|_| ()));
                 }
             }
-            let row = result.and_then(|()| writer.finish());
-            bytes.extend(row.map_err(|error| {
+            let row = result.and_then(|()| writer.finish()).map_err(|error| {
                 Finding::error("uniform", format!("a row of the parameters: {error}"))
                     .at(binding.place.clone())
-            })?);
+            })?;
+            let end = bytes.len() + *stride as usize;
+            bytes.extend(row);
+            bytes.resize(end, 0);
         }
+        bytes.resize(table.size as usize, 0);
         Ok(bytes)
     }
 
-    /// The bytes of a binding of one node in a frame that [`Self::fills`] says it has.
+    /// The bytes of a uniform binding of one node in a frame.
     ///
     /// # Errors
     /// Where the shader's struct asks for a member that nobody fills, or of another type.
@@ -279,15 +295,15 @@ impl Plan {
         variant: Option<&str>,
     ) -> Result<Vec<u8>, Finding> {
         let node = &self.graph.nodes[id];
-        if self.fills(id, binding) && matches!(binding.kind, BindingKind::StorageBuffer { .. }) {
-            return self.param_rows(id, binding);
-        }
         let BindingKind::Uniform(layout) = &binding.kind else {
             return Err(Finding::error(
                 "internal",
                 format!("`{}` is no uniform", binding.name),
             ));
         };
+        if binding.name == PARAMS_TABLE {
+            return self.param_rows(id, binding, layout);
+        }
         let mut writer = UniformWriter::new(layout);
         let mut result = Ok(());
         let source = binding_source(node, binding)?;

@@ -112,10 +112,11 @@ pub fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
 fn rows(node: &NodeContext<'_>) -> UniformValue {
     let segments = segments(node);
     let own = usize::from(node.is_connected("transfer"));
-    let row = |label: usize| {
-        let label = u8::try_from(label).unwrap_or(u8::MAX);
+    let rows_of_params = segments.map_or([0; LABELS], SegmentsSource::row_of_params);
+    let row = |at: usize| {
+        let label = u8::try_from(at).unwrap_or(u8::MAX);
         let segment = segments.and_then(|segments| segments.segment(label));
-        let params = segments.map_or(0, |segments| segments.param_row(label));
+        let params = rows_of_params[at];
         let transfer = segment.and_then(|segment| segment.transfer);
         let transfer = transfer.map_or(0, |at| at + own);
         let is_visible = segment.is_none_or(|segment| segment.is_visible);

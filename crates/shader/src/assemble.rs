@@ -16,14 +16,34 @@ use crate::linked::{Builder, Declared, MergedParam, import_chain};
 use crate::scan::{PARAMS_SELECT, Scan};
 use crate::{Linked, LinkedFile};
 
-/// What follows the members of `struct Params` where rows of a table are selected.
-const PARAMS_TABLE: &str = "}
-@group(3) @binding(0) var<storage, read> params_table: array<Params>;
+/// What follows the members of `struct Params` where rows of a table are selected. The table is a uniform, which has to
+/// have a size: as many rows as fit into what devices allow. (A storage buffer has no such bound, but llvmpipe of Mesa
+/// 22.3 reads zeros from one in fragment shaders.)
+fn params_table(members: usize) -> String {
+    // A member takes 16 bytes at most, and structs in uniforms are aligned to as many.
+    let rows = (MAX_UNIFORM_BYTES / (16 * members.max(1))).clamp(1, MAX_PARAM_ROWS);
+    format!(
+        "}}
+struct ParamsRow {{
+    @align(16) params: Params,
+}}
+struct ParamsTable {{
+    rows: array<ParamsRow, {rows}>,
+}}
+@group(3) @binding(0) var<uniform> params_table: ParamsTable;
 var<private> params: Params;
-fn params_select(row: u32) {
-    params = params_table[row];
+fn params_select(row: u32) {{
+    params = params_table.rows[row].params;
+}}
+"
+    )
 }
-";
+
+/// What WebGPU guarantees for a uniform.
+const MAX_UNIFORM_BYTES: usize = 64 << 10;
+
+/// The node's own and one for each of 256 labels would be 257; one that differs from no other is not needed.
+const MAX_PARAM_ROWS: usize = 256;
 
 /// Where no file has parameters, there is nothing to select.
 const NO_PARAMS_TO_SELECT: &str = "fn params_select(row: u32) {}\n";
@@ -136,11 +156,11 @@ impl Assembler {
             }
         }
         let tail = if self.selects_params() {
-            PARAMS_TABLE
+            params_table(structs().map(|(.., params)| params.members.len()).sum())
         } else {
-            "}\n@group(3) @binding(0) var<uniform> params: Params;\n"
+            "}\n@group(3) @binding(0) var<uniform> params: Params;\n".to_owned()
         };
-        builder.make(tail, first_file, first.name.clone());
+        builder.make(&tail, first_file, first.name.clone());
     }
 
     fn selects_params(&self) -> bool {
@@ -199,7 +219,7 @@ impl Assembler {
             .flat_map(|(at, (_, scan))| scan.params.iter().map(move |params| (at, params)))
             .next();
         if let Some((file, params)) = first {
-            let of_table = ["params_table", PARAMS_SELECT];
+            let of_table = ["ParamsRow", "ParamsTable", "params_table", PARAMS_SELECT];
             let of_table = of_table.iter().filter(|_| self.selects_params());
             let names = ["Params", "params"].iter().chain(of_table);
             declared.extend(names.map(|name| Declared {

@@ -97,23 +97,22 @@ fn labels_lead(place: LabelsPlace, label: u32, rival: u32) -> f32 {
 
 // The label that has most of a place; of two with as much the lower one.
 fn labels_of(place: LabelsPlace) -> u32 {
-    var label = place.near.x;
+    let label = place.near.x;
     if all(place.near == vec4u(label)) && all(place.far == vec4u(label)) {
         return label;
     }
-    var most = -1.0;
-    for (var corner = 0u; corner < 8u; corner++) {
-        var candidate = place.near[corner & 3u];
-        if corner > 3u {
-            candidate = place.far[corner & 3u];
-        }
-        let share = labels_membership(place, candidate);
-        if share > most || (share == most && candidate < label) {
-            most = share;
-            label = candidate;
-        }
-    }
-    return label;
+    return labels_better(place, labels_best(place, place.near), labels_best(place, place.far));
+}
+
+// The one of four labels that has most of a place.
+fn labels_best(place: LabelsPlace, labels: vec4u) -> u32 {
+    return labels_better(place, labels_better(place, labels.x, labels.y), labels_better(place, labels.z, labels.w));
+}
+
+// The one of two labels that has more of a place; of two with as much the lower one.
+fn labels_better(place: LabelsPlace, a: u32, b: u32) -> u32 {
+    let lead = labels_lead(place, a, b);
+    return select(select(b, a, lead > 0.0), min(a, b), lead == 0.0);
 }
 
 // The label at index coordinates inside of the grid.
@@ -177,15 +176,17 @@ fn labels_face_normal(at: vec3f, centre: vec3f, half: vec3f, direction: vec3f) -
     return labels_facing(is_face * sign(at - centre), direction);
 }
 
+fn labels_change(index: vec3f, aside: vec3f, label: u32, rival: u32) -> f32 {
+    return labels_lead(labels_place(index + aside), label, rival) - labels_lead(labels_place(index - aside), label, rival);
+}
+
 // Of the boundary of two labels: the gradient of how much one leads, over half a voxel to each side.
 fn labels_normal(index: vec3f, label: u32, rival: u32, direction: vec3f) -> vec3f {
-    var gradient = vec3f(0.0);
-    for (var axis = 0u; axis < 3u; axis++) {
-        var aside = vec3f(0.0);
-        aside[axis] = 0.5;
-        let above = labels_lead(labels_place(index + aside), label, rival);
-        gradient[axis] = above - labels_lead(labels_place(index - aside), label, rival);
-    }
+    let gradient = vec3f(
+        labels_change(index, vec3f(0.5, 0.0, 0.0), label, rival),
+        labels_change(index, vec3f(0.0, 0.5, 0.0), label, rival),
+        labels_change(index, vec3f(0.0, 0.0, 0.5), label, rival),
+    );
     return labels_facing(gradient, direction);
 }
 

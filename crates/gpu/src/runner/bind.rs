@@ -43,7 +43,7 @@ impl Runner {
         for (group, (layout, bindings)) in &pipeline.groups {
             let mut uniforms: BTreeMap<u32, Buffer> = BTreeMap::new();
             for binding in bindings {
-                if plan.fills(id, binding) {
+                if matches!(binding.kind, volgraph_shader::BindingKind::Uniform(_)) {
                     let bytes = plan.uniform_bytes(id, binding, view, variant)?;
                     uniforms.insert(binding.binding, self.uniform(&bytes));
                 }

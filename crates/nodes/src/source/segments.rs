@@ -24,7 +24,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use volgraph_graph::{Digest, Folders, ParamRow, PortType, Source, SourceKind, read};
+use volgraph_graph::{Digest, Folders, ParamDesc, ParamRow, PortType, Source, SourceKind, read};
 use volgraph_optics::TransferFunction;
 use volgraph_report::ron_text::{Document, Fields, Value};
 use volgraph_report::{Finding, Findings, Place};
@@ -72,28 +72,41 @@ impl SegmentsSource {
         self.listed.get(&label).or(self.others.as_ref())
     }
 
-    /// Those that have parameters of their own, in a fixed order.
-    fn with_params(&self) -> impl Iterator<Item = &Segment> {
-        let all = self.listed.values().chain(&self.others);
-        all.filter(|segment| !segment.params.is_empty())
-    }
-
-    /// The parameters of those that have some of their own.
+    /// The parameters of those that have some of their own, each once.
     #[must_use]
     pub fn param_rows(&self) -> Vec<&ParamRow> {
-        self.with_params().map(|segment| &segment.params).collect()
+        let mut rows: Vec<&ParamRow> = Vec::new();
+        for segment in self.listed.values().chain(&self.others) {
+            let is_new = !rows.iter().any(|row| sets_the_same(row, &segment.params));
+            if is_new && !segment.params.is_empty() {
+                rows.push(&segment.params);
+            }
+        }
+        rows
     }
 
-    /// The row of a label's parameters, after the node's own in row 0.
+    /// The row of each label's parameters, after the node's own in row 0.
     #[must_use]
-    pub fn param_row(&self, label: u8) -> usize {
-        self.segment(label)
-            .and_then(|segment| {
-                self.with_params()
-                    .position(|other| std::ptr::eq(other, segment))
-            })
-            .map_or(0, |at| at + 1)
+    pub fn row_of_params(&self) -> [usize; LABELS] {
+        let rows = self.param_rows();
+        std::array::from_fn(|label| {
+            let label = u8::try_from(label).unwrap_or(u8::MAX);
+            self.segment(label)
+                .and_then(|segment| {
+                    rows.iter()
+                        .position(|row| sets_the_same(row, &segment.params))
+                })
+                .map_or(0, |at| at + 1)
+        })
     }
+}
+
+/// Whether two rows have the same values, wherever they are written.
+fn sets_the_same(a: &ParamRow, b: &ParamRow) -> bool {
+    let same = |(name, given): (&String, &ParamDesc)| {
+        b.get(name).is_some_and(|other| other.value == given.value)
+    };
+    a.len() == b.len() && a.iter().all(same)
 }
 
 impl SourceKind for SegmentsKind {
