@@ -11,3 +11,4 @@ mod lost_devices;
 mod memory_of_work;
 mod plans;
 mod rebuilds;
+mod segments;

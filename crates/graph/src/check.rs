@@ -401,9 +401,15 @@ fn check_param_rows(graph: &Graph, id: NodeId, findings: &mut Findings) {
         let Some(spec) = specs.iter().find(|spec| spec.name == *name) else {
             let is_own = own.iter().any(|spec| spec.name == *name);
             let message = if is_own {
-                format!("`{name}` of node `{}` is the same for all labels", node.name)
+                format!(
+                    "`{name}` of node `{}` is the same for all labels",
+                    node.name
+                )
             } else {
-                format!("the shader of node `{}` has no parameter `{name}`", node.name)
+                format!(
+                    "the shader of node `{}` has no parameter `{name}`",
+                    node.name
+                )
             };
             let help = if is_own {
                 Some("set it in the graph".to_owned())

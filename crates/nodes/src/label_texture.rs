@@ -128,21 +128,24 @@ fn texels(volume: &Volume) -> Vec<u8> {
 fn rooms(labels: &[u8], [nx, ny, nz]: [usize; 3]) -> Vec<u8> {
     let row = |y: usize, z: usize| (z * ny + y) * nx;
     let mut rooms = vec![0; labels.len()];
-    rooms.par_chunks_mut(nx).enumerate().for_each(|(at, rooms)| {
-        let (y, z) = (at % ny, at / ny);
-        let starts: Vec<usize> = around(z, nz)
-            .into_iter()
-            .flat_map(|z| around(y, ny).map(|y| row(y, z)))
-            .collect();
-        for (x, room) in rooms.iter_mut().enumerate() {
-            let label = labels[row(y, z) + x];
-            let columns = around(x, nx);
-            let is_alone = starts
-                .iter()
-                .all(|start| columns.iter().all(|x| labels[start + x] == label));
-            *room = if is_alone { u8::MAX } else { 0 };
-        }
-    });
+    rooms
+        .par_chunks_mut(nx)
+        .enumerate()
+        .for_each(|(at, rooms)| {
+            let (y, z) = (at % ny, at / ny);
+            let starts: Vec<usize> = around(z, nz)
+                .into_iter()
+                .flat_map(|z| around(y, ny).map(|y| row(y, z)))
+                .collect();
+            for (x, room) in rooms.iter_mut().enumerate() {
+                let label = labels[row(y, z) + x];
+                let columns = around(x, nx);
+                let is_alone = starts
+                    .iter()
+                    .all(|start| columns.iter().all(|x| labels[start + x] == label));
+                *room = if is_alone { u8::MAX } else { 0 };
+            }
+        });
     // At the grid's faces a neighbour is taken from inside, which changes nothing.
     let before = |i: usize, _: usize| i.saturating_sub(1);
     let after = |i: usize, n: usize| (i + 1).min(n - 1);
@@ -151,7 +154,13 @@ fn rooms(labels: &[u8], [nx, ny, nz]: [usize; 3]) -> Vec<u8> {
             let (zb, yb) = (before(z, nz), before(y, ny));
             let rows = [row(yb, zb), row(y, zb), row(after(y, ny), zb), row(yb, z)];
             for x in 0..nx {
-                relax(&mut rooms, row(y, z) + x, row(y, z) + before(x, nx), &rows, around(x, nx));
+                relax(
+                    &mut rooms,
+                    row(y, z) + x,
+                    row(y, z) + before(x, nx),
+                    &rows,
+                    around(x, nx),
+                );
             }
         }
     }
@@ -160,7 +169,13 @@ fn rooms(labels: &[u8], [nx, ny, nz]: [usize; 3]) -> Vec<u8> {
             let (za, ya) = (after(z, nz), after(y, ny));
             let rows = [row(ya, za), row(y, za), row(before(y, ny), za), row(ya, z)];
             for x in (0..nx).rev() {
-                relax(&mut rooms, row(y, z) + x, row(y, z) + after(x, nx), &rows, around(x, nx));
+                relax(
+                    &mut rooms,
+                    row(y, z) + x,
+                    row(y, z) + after(x, nx),
+                    &rows,
+                    around(x, nx),
+                );
             }
         }
     }
@@ -203,9 +218,8 @@ mod tests {
             }
             let rooms = rooms(&labels, dims);
             for at in 0..labels.len() {
-                let place = |at: usize| {
-                    [at % dims[0], at / dims[0] % dims[1], at / dims[0] / dims[1]]
-                };
+                let place =
+                    |at: usize| [at % dims[0], at / dims[0] % dims[1], at / dims[0] / dims[1]];
                 let distance = |other: usize| {
                     let (a, b) = (place(at), place(other));
                     (0..3).map(|i| a[i].abs_diff(b[i])).max().unwrap_or(0)

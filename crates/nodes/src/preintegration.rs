@@ -2,8 +2,8 @@
 //! side in one texture.
 
 use volgraph_graph::{
-    InputPort, Limits, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement, ResourceDesc, Size,
-    UploadBytes,
+    InputPort, Limits, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement,
+    ResourceDesc, Size, UploadBytes,
 };
 use volgraph_report::Finding;
 use volgraph_shader::ParamSpec;
@@ -77,7 +77,11 @@ fn check_sum(node: &NodeContext<'_>, size: u32, count: usize) -> Result<(), Find
     if count <= 1 || fits(size) {
         return Ok(());
     }
-    let help = match (6..12).rev().map(|power| 1 << power).find(|size| fits(*size)) {
+    let help = match (6..12)
+        .rev()
+        .map(|power| 1 << power)
+        .find(|size| fits(*size))
+    {
         Some(size) => format!("set `preintegration_size` to {size} or less"),
         None => "name fewer transfer functions, or choose the slot `classify` \"post\"".to_owned(),
     };

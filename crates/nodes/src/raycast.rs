@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use volgraph_graph::{
-    Demand, InputPort, Mesh, NodeContext, NodeKind, OutputPort, ParamRow, Pass, PortType, ProgramSpec,
-    Requirement, ResourceDesc, Size, SlotSpec, Uniform,
+    Demand, InputPort, Mesh, NodeContext, NodeKind, OutputPort, ParamRow, Pass, PortType,
+    ProgramSpec, Requirement, ResourceDesc, Size, SlotSpec, Uniform,
 };
 use volgraph_optics::{Domain, TransferFunction};
 use volgraph_report::Finding;

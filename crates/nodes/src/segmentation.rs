@@ -54,7 +54,10 @@ pub fn segments<'g>(node: &NodeContext<'g>) -> Option<&'g SegmentsSource> {
 /// # Errors
 /// `missing-input`, `over-limit`.
 pub fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
-    let (grid, labels) = (volume(node, "volume")?.grid(), volume(node, "labels")?.grid());
+    let (grid, labels) = (
+        volume(node, "volume")?.grid(),
+        volume(node, "labels")?.grid(),
+    );
     let (low, high) = labels.box_index();
     let (box_low, box_high) = grid.box_index();
     let dims = DVec3::from_array(grid.dims.map(f64::from));
@@ -94,10 +97,7 @@ pub fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
             "world_from_index_gradient",
             UniformValue::Mat3(gradient.as_mat3().to_cols_array_2d()),
         ),
-        (
-            "dims",
-            vec3(DVec3::from_array(labels.dims.map(f64::from))),
-        ),
+        ("dims", vec3(DVec3::from_array(labels.dims.map(f64::from)))),
         ("box_low", vec3(low - below)),
         ("box_high", vec3(high + above)),
         (
@@ -142,7 +142,10 @@ pub fn transfers_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
         nothing().into_iter().map(Into::into).collect()
     };
     if all.len() > MAX_TRANSFERS {
-        let message = format!("{} transfer functions, of {MAX_TRANSFERS} at most", all.len());
+        let message = format!(
+            "{} transfer functions, of {MAX_TRANSFERS} at most",
+            all.len()
+        );
         return Err(node.error("over-limit", message));
     }
     let size = node
@@ -152,13 +155,19 @@ pub fn transfers_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     let count = all.len();
     let mut rows = Vec::with_capacity(MAX_TRANSFERS);
     for (at, transfer) in (0_u32..).zip(&all) {
-        let members = transfer_uniform(node, transfer, ["transfer_tables", "preintegration_tables"])?;
-        let members = members.into_iter().map(|(name, value)| (name.to_owned(), value));
+        let members =
+            transfer_uniform(node, transfer, ["transfer_tables", "preintegration_tables"])?;
+        let members = members
+            .into_iter()
+            .map(|(name, value)| (name.to_owned(), value));
         let tile = [at % table_columns * size, at / table_columns * size];
         #[expect(clippy::cast_precision_loss, reason = "at most 256")]
         let place = (f64::from(at) + 0.5) / count as f64;
         rows.push(UniformValue::Struct(vec![
-            ("transfer".to_owned(), UniformValue::Struct(members.collect())),
+            (
+                "transfer".to_owned(),
+                UniformValue::Struct(members.collect()),
+            ),
             ("tile".to_owned(), UniformValue::UVec2(tile)),
             ("place".to_owned(), f32_value(place)),
         ]));
@@ -175,7 +184,10 @@ fn check_each_has_one(node: &NodeContext<'_>) -> Result<(), Finding> {
         return Ok(());
     }
     // Labels beyond the volume's own are never met; outside of it is label 0.
-    let (least, most) = volume(node, "labels")?.statistics().range().unwrap_or((0.0, 0.0));
+    let (least, most) = volume(node, "labels")?
+        .statistics()
+        .range()
+        .unwrap_or((0.0, 0.0));
     let is_met = |label: &u8| *label == 0 || (least..=most).contains(&f64::from(*label));
     let without = (0..=u8::MAX).filter(is_met).find(|label| {
         segments(node)

@@ -80,9 +80,9 @@ pub(crate) fn scan(text: &str) -> Scan {
     let tokens = tokens(text);
     let mut scan = Scan {
         mark: 0..if text.starts_with('\u{feff}') { 3 } else { 0 },
-        selects_params: tokens.iter().any(|token| {
-            token.kind == Kind::Word && &text[token.range.clone()] == PARAMS_SELECT
-        }),
+        selects_params: tokens
+            .iter()
+            .any(|token| token.kind == Kind::Word && &text[token.range.clone()] == PARAMS_SELECT),
         ..Scan::default()
     };
     let mut docs = Vec::new();

@@ -190,8 +190,32 @@ fn labels_normal(index: vec3f, label: u32, rival: u32, direction: vec3f) -> vec3
     return labels_facing(gradient, direction);
 }
 
-// Between a place where a label has most and one where it has not: where it ends first. By secants, of which the end
-// that stays counts half each time (the Illinois method); a third label that shows up takes the second one's place.
+// Between two places less than a voxel apart, of which the first has most of a label: one where it has not, 0 where
+// there seems to be none. A ray that only dips into another label is caught by the vertex of the parabola through the
+// memberships at both ends and half-way.
+fn labels_other(ray: LabelsRay, first: f32, last: f32, label: u32) -> f32 {
+    let half_way = 0.5 * (first + last);
+    let middle = labels_place(labels_along(ray, half_way));
+    if labels_of(middle) != label {
+        return half_way;
+    }
+    let end = labels_place(labels_along(ray, last));
+    if labels_of(end) != label {
+        return last;
+    }
+    let share = labels_membership(middle, label);
+    let before = labels_membership(labels_place(labels_along(ray, first)), label) - share;
+    let after = labels_membership(end, label) - share;
+    let bend = before + after;
+    if bend <= 1.0e-6 || abs(before - after) >= 2.0 * bend {
+        return 0.0;
+    }
+    let vertex = half_way + 0.25 * (before - after) / bend * (last - first);
+    return select(0.0, vertex, labels_of(labels_place(labels_along(ray, vertex))) != label);
+}
+
+// Between a place where a label has most and one where it has not: where it ends first. By secants, of which an end
+// that stays twice counts half (the Illinois method); a third label that shows up takes the second one's place.
 fn labels_cut(ray: LabelsRay, first: f32, last: f32, label: u32) -> LabelsCut {
     var low = first;
     var high = last;
@@ -199,6 +223,8 @@ fn labels_cut(ray: LabelsRay, first: f32, last: f32, label: u32) -> LabelsCut {
     var rival = labels_of(end);
     var low_lead = labels_lead(labels_place(labels_along(ray, first)), label, rival);
     var high_lead = labels_lead(end, label, rival);
+    // The end that the turn before has moved.
+    var side = 0;
     for (var turn = 0u; turn < LABELS_REFINEMENTS; turn++) {
         let between = labels_secant(low, high, low_lead, high_lead);
         let place = labels_place(labels_along(ray, between));
@@ -206,10 +232,12 @@ fn labels_cut(ray: LabelsRay, first: f32, last: f32, label: u32) -> LabelsCut {
         if found == label {
             low = between;
             low_lead = labels_lead(place, label, rival);
-            high_lead *= 0.5;
+            high_lead *= select(1.0, 0.5, side < 0);
+            side = -1;
         } else {
             high = between;
-            low_lead *= 0.5;
+            low_lead *= select(1.0, 0.5, side > 0);
+            side = 1;
             if found != rival {
                 rival = found;
                 low_lead = labels_lead(labels_place(labels_along(ray, low)), label, rival);
@@ -269,8 +297,9 @@ fn labels_next(whole: Ray, end: f32) -> Stretch {
             continue;
         }
         let next = min(at + 0.5 / ray.largest, min(ray.far, end));
-        if labels_of(labels_place(labels_along(ray, next))) != label {
-            let cut = labels_cut(ray, at, next, label);
+        let other = labels_other(ray, at, next, label);
+        if other > at {
+            let cut = labels_cut(ray, at, other, label);
             return Stretch(cut.distance, label, labels_normal(labels_along(ray, cut.distance), label, cut.label, whole.direction));
         }
         at = next;

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use volgraph_graph::{Folders, PortType, Source, SourceKind};
 use volgraph_report::{Finding, Findings, did_you_mean};
 use volgraph_shader::{ParamSpec, ParamValue};
-use volgraph_volume::{ScalarType, Volume, VolumeError};
 use volgraph_volume::analytic::{AnalyticField, sample};
+use volgraph_volume::{ScalarType, Volume, VolumeError};
 
 use super::Given;
 use super::volume::VolumeSource;
@@ -91,11 +91,13 @@ impl SourceKind for AnalyticKind {
             .collect();
         let dims = given.dims("dims")?.unwrap_or([64; 3]);
         let volume = AnalyticField::by_name(name, &own)
-            .and_then(|field| match given.uint("levels").filter(|levels| *levels > 0) {
-                Some(levels) => sample(&field, dims, ScalarType::F32)
-                    .and_then(|volume| quantised(&volume, levels)),
-                None => sample(&field, dims, scalar_type),
-            })
+            .and_then(
+                |field| match given.uint("levels").filter(|levels| *levels > 0) {
+                    Some(levels) => sample(&field, dims, ScalarType::F32)
+                        .and_then(|volume| quantised(&volume, levels)),
+                    None => sample(&field, dims, scalar_type),
+                },
+            )
             .map_err(|error| Findings::from(Finding::from(error)))?;
         progress(1, 1);
         Ok(Arc::new(VolumeSource {

@@ -140,9 +140,8 @@ impl SourceKind for SegmentsKind {
         let path = given.path("path", folders)?;
         let text = match folders.embedded_bytes(&path) {
             Some(bytes) => String::from_utf8_lossy(bytes).into_owned(),
-            None => {
-                text(&path).map_err(|finding| given.with_twin(finding.into(), "path", &path, folders))?
-            }
+            None => text(&path)
+                .map_err(|finding| given.with_twin(finding.into(), "path", &path, folders))?,
         };
         Ok(Arc::new(parse(&path, &text, folders)?))
     }
@@ -160,7 +159,10 @@ fn text(path: &Path) -> Result<String, Finding> {
     }
     let mut text = String::new();
     fs::File::open(path)
-        .and_then(|file| file.take(MAX_TEXT_BYTES as u64 + 1).read_to_string(&mut text))
+        .and_then(|file| {
+            file.take(MAX_TEXT_BYTES as u64 + 1)
+                .read_to_string(&mut text)
+        })
         .map_err(unreadable)?;
     Ok(text)
 }
