@@ -144,7 +144,6 @@ fn two_materials_meet_between_voxels_whatever_the_step() {
                     let drawn = render(&stage, &[&set], &backend, [48, 40]);
                     let truth = |from, to| two_materials(from, to, |p: DVec3| p.x - 3.5 * x);
                     let (error, met) = worst(&drawn, span, truth);
-                    println!("{backend} {form} {classify} {step}: {error:e}");
                     assert!(
                         error <= 1e-4 && met > 100,
                         "{backend} {form} {classify} {step}: {error}, {met}"
@@ -207,7 +206,6 @@ fn an_oblique_boundary_is_where_memberships_are_equal() {
         let span = (DVec3::splat(-0.5), DVec3::splat(7.5));
         let drawn = render(&stage, &[], &backend, [40, 40]);
         let (error, met) = worst(&drawn, span, truth);
-        println!("oblique {backend}: {error:e}");
         assert!(error <= 2e-4 && met > 100, "{backend}: {error}");
     }
 }
@@ -238,7 +236,6 @@ fn blocky_labels_meet_at_the_faces_of_voxels() {
         let span = (DVec3::splat(-0.5), DVec3::splat(7.5));
         let drawn = render(&stage, &[], &backend, [32, 32]);
         let (error, _) = worst(&drawn, span, truth);
-        println!("blocky {backend}: {error:e}");
         // The places are 7e-4 apart, and each of up to 9 faces may be off by as much; probes by 1e-3.
         assert!(error <= 1.5e-3, "{backend}: {error}");
     }
@@ -265,7 +262,6 @@ fn a_label_that_is_not_drawn_is_cut_away() {
         let span = (DVec3::splat(-0.5), DVec3::splat(7.5));
         let drawn = render(&stage, &[], &backend, [48, 40]);
         let (error, _) = worst(&drawn, span, truth);
-        println!("hidden {backend}: {error:e}");
         assert!(error <= 1e-4, "{backend}: {error}");
     }
 }
@@ -345,7 +341,6 @@ fn labels_have_parameters_of_their_own_and_the_layer_tells_them() {
                     wrong += usize::from(!is_color) + usize::from(!is_label);
                 }
             }
-            println!("{backend} {form}: {counts:?} wrong {wrong}");
             // Where three labels meet, none has half: the boundary bends away from the planes there.
             assert!(counts.iter().all(|count| *count > 30), "{counts:?}");
             assert!(wrong <= 24, "{backend} {form}: {wrong} wrong of {counts:?}");
@@ -385,7 +380,6 @@ fn two_hundred_and_fifty_five_labels_each_absorb_as_they_say() {
                 worst = worst.max((seen - (1.0 - (-depth).exp())).abs());
             }
         }
-        println!("255 labels {backend}: {worst:e}");
         assert!(worst < 1e-4, "{backend}: {worst}");
     }
 }
@@ -395,7 +389,6 @@ fn what_is_no_label_and_no_segment_is_told_at_its_place() {
     let told = |stage: &Stage| -> Vec<(String, u32)> {
         let backend = &adapters()[0];
         let findings = stage.open("graph.ron", &[], backend, [8, 8]).err().unwrap();
-        println!("{findings}");
         findings
             .sorted()
             .into_iter()
@@ -479,5 +472,50 @@ fn a_graph_without_labels_has_none_of_this() {
             ];
             assert!(!of_labels.contains(&binding.name.as_str()), "{binding:?}");
         }
+    }
+}
+
+#[test]
+fn with_smooth_fields_the_error_falls_with_the_square_of_the_step() {
+    // Scalars rise along x; red's colour is constant and its extinction linear in the scalar, blue's the other way
+    // round. Segments are whole from the boundary on, so that the midpoint rule keeps its order 2 across it.
+    let colors = "(domain: data(from: 0, to: 1), reference_length: (world: 1), color: [(0, (0, 0, 0)), (1, (0, 0, 1))], extinction: [(0.0, 0.3)])";
+    let own = "(domain: data(from: 0, to: 1), reference_length: (world: 1), color: (1, 0, 0), extinction: [(0.0, 0.0), (1.0, 0.5)])";
+    let stage = stage(|x, _, _| u32::from(x > 3), BLUE_IS_1)
+        .with_floats("v", [8, 8, 8], |x, _, _| x as f32 / 7.0)
+        .with("blue.ron", colors)
+        .with("own.ron", own)
+        .with("graph.ron", graph("(1, 1, 1)", CAMERAS[0], "", ""));
+    let truth = |from: DVec3, to: DVec3| {
+        let (count, length) = (4000, from.distance(to));
+        let (mut seen, mut light) = ([0.0; 4], 1.0);
+        for i in 0..count {
+            let x = from.lerp(to, (f64::from(i) + 0.5) / f64::from(count)).x;
+            let scalar = x.clamp(0.0, 7.0) / 7.0;
+            let (channel, color, extinction) = if x > 3.5 {
+                (2, scalar, 0.3)
+            } else {
+                (0, 1.0, 0.5 * scalar)
+            };
+            let left = (-extinction * length / f64::from(count)).exp();
+            seen[channel] += light * (1.0 - left) * color;
+            light *= left;
+        }
+        seen[3] = 1.0 - light;
+        seen
+    };
+    for backend in adapters() {
+        let error = |step: &str| {
+            let sets = [format!("image.step={step}")];
+            let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+            let span = (DVec3::splat(-0.5), DVec3::splat(7.5));
+            worst(&render(&stage, &sets, &backend, [24, 24]), span, truth).0
+        };
+        let errors = [error("2.0"), error("1.0"), error("0.5")];
+        let orders = [errors[0] / errors[1], errors[1] / errors[2]].map(f64::log2);
+        assert!(
+            orders.iter().sum::<f64>() > 3.6,
+            "{backend}: errors {errors:?}, orders {orders:?}"
+        );
     }
 }
