@@ -2,7 +2,8 @@
 // walk through the volume goes over them, that of a shadow as well; each part is a ray of its own, whose entry is the
 // part's start. So segments are whole from a cut on, and no technique needs to know of cuts. The first voxel behind a
 // cut is a part of its own: light changes there from the cut's normal to the field's (see `surface_inner_normal`), and
-// a segment across its end would make the picture depend on the step.
+// a segment across its end would make the picture depend on the step. With a part its label is selected: whoever looks
+// at other parts in between selects the label back that was selected before (`labels_selected`).
 #import "lib/volume.wgsl"
 #import slot "clip"
 #import slot "labels"
@@ -16,16 +17,6 @@ struct Parts {
     bends: u32,
 }
 
-// The label whose parameters are selected. A walk of its own, such as that towards a light, selects those of its parts
-// and afterwards this one again.
-var<private> parts_label: u32;
-
-// Makes the parameters those of a label.
-fn parts_select(label: u32) {
-    parts_label = label;
-    labels_select(label);
-}
-
 // Whatever the slots say, a ray has an end of parts.
 const PARTS_MAX: u32 = 4096u;
 
@@ -35,6 +26,22 @@ fn parts_begin(ray: Ray) -> Parts {
 
 // Moves the ray on to its next part; false where there is none. A ray that has been bent goes on from where it was.
 fn parts_next(parts: ptr<function, Parts>, ray: ptr<function, Ray>) -> bool {
+    // What is visible is the node's own matter, and no label's.
+    labels_select(STRETCH_NO_LABEL);
+    for (var turn = 0u; turn < PARTS_MAX; turn++) {
+        if !parts_one_more(parts, ray) {
+            return false;
+        }
+        if labels_is_visible((*ray).label) {
+            labels_select((*ray).label);
+            return true;
+        }
+    }
+    return false;
+}
+
+// The next part, of whatever label.
+fn parts_one_more(parts: ptr<function, Parts>, ray: ptr<function, Ray>) -> bool {
     if (*ray).bends != (*parts).bends {
         *parts = parts_begin(*ray);
     }
@@ -77,6 +84,9 @@ fn parts_next(parts: ptr<function, Parts>, ray: ptr<function, Ray>) -> bool {
 fn parts_go_on(ray: Ray, distance: f32) -> bool {
     let at = ray_position(ray, distance);
     let rest = ray_between(ray, distance, distance + volume_exit(at, ray.slope));
+    let label = labels_selected();
+    labels_select(STRETCH_NO_LABEL);
     let visible = clip_next(rest);
+    labels_select(label);
     return visible.x <= volume_least() && visible.y > visible.x + volume_least();
 }

@@ -3,6 +3,7 @@
 #import "lib/material.wgsl"
 #import "lib/surface_point.wgsl"
 #import slot "environment"
+#import slot "labels"
 #import slot "material"
 #import slot "shadow"
 
@@ -22,7 +23,9 @@ fn phong_light(world: vec3f, normal: vec3f, to_eye: vec3f, shininess: f32, is_su
         if diffuse > 0.0 {
             let half_way = normalize(light.direction + to_eye + 1.0e-6 * normal);
             let highlight = pow(max(dot(normal, half_way), 0.0), shininess);
+            let label = labels_selected();
             let reaches = shadow_transmittance(world, select(vec3f(0.0), normal, is_surface), light, index);
+            labels_select(label);
             sum.diffuse += reaches * light.color * diffuse;
             sum.specular += reaches * light.color * highlight;
         }

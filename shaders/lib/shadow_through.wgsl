@@ -6,7 +6,6 @@
 const SHADOW_LEAST: f32 = 1.0 / 4096.0;
 
 fn shadow_through(ray: Ray) -> f32 {
-    let label = parts_label;
     var parts = parts_begin(ray);
     var part = ray;
     var through = 1.0;
@@ -14,7 +13,6 @@ fn shadow_through(ray: Ray) -> f32 {
         if !parts_next(&parts, &part) {
             break;
         }
-        parts_select(part.label);
         let length = part.far - part.near;
         var front = shadow_sample(part, 0.0);
         var start = 0.0;
@@ -29,6 +27,5 @@ fn shadow_through(ray: Ray) -> f32 {
             start = end;
         }
     }
-    parts_select(label);
     return through;
 }

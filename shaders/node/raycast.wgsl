@@ -32,9 +32,9 @@ fn raycast_sample(ray: Ray, distance: f32) -> Sample {
 const RAYCAST_MAX_SEGMENTS: u32 = 65535u;
 
 fn raycast_pixel(pixel: vec2f) -> Shown {
+    labels_select(STRETCH_NO_LABEL);
     var ray = volume_clip_ray(ray_through(pixel));
     var parts = parts_begin(ray);
-    parts_select(0u);
     var state = technique_begin(ray);
     var samples = 0u;
     var is_done = false;
@@ -42,7 +42,6 @@ fn raycast_pixel(pixel: vec2f) -> Shown {
         if !parts_next(&parts, &ray) {
             break;
         }
-        parts_select(ray.label);
         let length = ray.far - ray.near;
         var front = raycast_sample(ray, 0.0);
         var start = 0.0;
@@ -79,6 +78,7 @@ fn raycast_write(shown: Shown, pixel: vec2i) {
 // What lies behind, for every pixel; rays then overwrite those that they start from.
 @compute @workgroup_size(8, 8, 1)
 fn raycast_begin(@builtin(global_invocation_id) id: vec3u) {
+    labels_select(STRETCH_NO_LABEL);
     if all(vec2f(id.xy) < lens.size) {
         raycast_write(shown_nothing(), vec2i(id.xy));
     }

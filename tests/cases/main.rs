@@ -25,5 +25,6 @@ mod reflections;
 mod refraction;
 mod refraction_behind;
 mod refraction_media;
+mod segments;
 mod snapshots;
 mod sweep;

@@ -11,6 +11,8 @@ use volgraph_shader::{Binding, BindingKind, TextureDim, TextureSample};
 use crate::demand::Call;
 use crate::graph::{Graph, Node, NodeBody, NodeId, Origin};
 use crate::kind::PortType;
+use crate::limits::Limits;
+use crate::node_context::NodeContext;
 
 /// What a binding of a shader is filled with: decided by its name alone.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -20,7 +22,7 @@ pub enum BindingSource {
     Lens,
     /// The uniform of the camera's pose.
     Camera,
-    /// The merged parameters.
+    /// The merged parameters, or the table of their rows.
     Params,
     /// A uniform that the node kind fills.
     Uniform(String),
@@ -31,6 +33,9 @@ pub enum BindingSource {
     /// A sampler.
     Sampler(SamplerKind),
 }
+
+/// The binding of the parameters where they are a table.
+pub(crate) const PARAMS_TABLE: &str = "params_table";
 
 /// The samplers there are: all clamp to the edge but the last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -71,7 +76,7 @@ pub fn binding_source(node: &Node, binding: &Binding) -> Result<BindingSource, F
         BindingKind::Uniform(_) => match name {
             "lens" => return Ok(BindingSource::Lens),
             "camera" => return Ok(BindingSource::Camera),
-            "params" => return Ok(BindingSource::Params),
+            "params" | PARAMS_TABLE => return Ok(BindingSource::Params),
             _ if kind.uniforms().contains(&name) => {
                 return Ok(BindingSource::Uniform(name.to_owned()));
             }
@@ -146,6 +151,7 @@ pub fn check(graph: &Graph) -> Result<(), Findings> {
         check_types(graph, node, &mut findings);
         check_demanded(graph, node, &mut findings);
         check_params(graph, id, &mut findings);
+        check_param_rows(graph, id, &mut findings);
         if let Some(program) = &node.program {
             for binding in program.used() {
                 if let Some(source) = findings.take(binding_source(node, binding)) {
@@ -214,12 +220,18 @@ fn check_binding(node: &Node, binding: &Binding, source: &BindingSource) -> Resu
             return Err(Finding::error("binding-type", message).at(binding.place.clone()));
         }
     };
+    let is_whole = ty == PortType::LabelTexture;
     let declared = match &binding.kind {
         BindingKind::Texture {
             dim,
             sample: TextureSample::Float { .. },
             multisampled: false,
-        } => Some((*dim, true)),
+        } if !is_whole => Some((*dim, true)),
+        BindingKind::Texture {
+            dim,
+            sample: TextureSample::Uint,
+            multisampled: false,
+        } if is_whole => Some((*dim, true)),
         BindingKind::StorageTexture { dim, .. } => Some((*dim, false)),
         _ => None,
     };
@@ -232,7 +244,8 @@ fn check_binding(node: &Node, binding: &Binding, source: &BindingSource) -> Resu
         _ => "3d",
     };
     let form = if is_read {
-        format!("texture_{axes}<f32>")
+        let texel = if is_whole { "u32" } else { "f32" };
+        format!("texture_{axes}<{texel}>")
     } else {
         format!("texture_storage_{axes}<…, write>")
     };
@@ -258,8 +271,14 @@ fn dimension(ty: PortType) -> Option<TextureDim> {
         | PortType::Table2d
         | PortType::ImageTexture
         | PortType::LightGrid => Some(TextureDim::D2),
-        PortType::VolumeTexture | PortType::GradientTexture => Some(TextureDim::D3),
-        PortType::Volume | PortType::Transfer | PortType::Image | PortType::Mesh => None,
+        PortType::VolumeTexture | PortType::GradientTexture | PortType::LabelTexture => {
+            Some(TextureDim::D3)
+        }
+        PortType::Volume
+        | PortType::Transfer
+        | PortType::Image
+        | PortType::Segments
+        | PortType::Mesh => None,
     }
 }
 
@@ -369,6 +388,53 @@ fn check_params(graph: &Graph, id: NodeId, findings: &mut Findings) {
                 );
             }
             None => {}
+        }
+    }
+}
+
+/// Rows are for the shader: what the kind itself reads is one for all of them.
+fn check_param_rows(graph: &Graph, id: NodeId, findings: &mut Findings) {
+    let node = &graph.nodes[id];
+    let (Some(kind), Some(program)) = (node.kind(), &node.program) else {
+        return;
+    };
+    let specs = program.module.params();
+    let own = kind.params();
+    let limits = Limits::default();
+    let context = NodeContext::new(graph, id, &limits);
+    for (name, given) in kind.param_rows(&context).into_iter().flatten() {
+        let Some(spec) = specs.iter().find(|spec| spec.name == *name) else {
+            let is_own = own.iter().any(|spec| spec.name == *name);
+            let message = if is_own {
+                format!(
+                    "`{name}` of node `{}` is the same for all labels",
+                    node.name
+                )
+            } else {
+                format!(
+                    "the shader of node `{}` has no parameter `{name}`",
+                    node.name
+                )
+            };
+            let help = if is_own {
+                Some("set it in the graph".to_owned())
+            } else {
+                did_you_mean(name, specs.iter().map(|spec| spec.name.as_str()))
+            };
+            findings.push(
+                Finding::error("unknown-param", message)
+                    .at(given.name_place.clone())
+                    .help_opt(help),
+            );
+            continue;
+        };
+        if let Err(reason) = spec.check(&given.value) {
+            let message = format!("parameter `{name}` of node `{}`: {reason}", node.name);
+            let finding = Finding::error("bad-param", message).at(given.place.clone());
+            findings.push(match &spec.place {
+                Some(place) => finding.related(place.clone(), "declared here"),
+                None => finding,
+            });
         }
     }
 }

@@ -227,6 +227,7 @@ fn is_texture(ty: crate::PortType) -> bool {
             | P::Table2d
             | P::VolumeTexture
             | P::GradientTexture
+            | P::LabelTexture
             | P::ImageTexture
             | P::LightGrid
     )
@@ -262,6 +263,12 @@ fn fulfil(
     let mut inputs = BTreeMap::new();
     for (theirs, mine) in &call.inputs {
         let Some(link) = by.inputs.get(mine) else {
+            let is_optional = |port: &InputPort| {
+                port.name == *theirs && port.requirement == Requirement::Optional
+            };
+            if kind.inputs().iter().any(is_optional) {
+                continue;
+            }
             let used_at = by.program.as_ref().and_then(|program| {
                 program
                     .used()

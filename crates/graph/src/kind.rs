@@ -6,10 +6,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
+use indexmap::IndexMap;
 use serde::Serialize;
 use volgraph_report::Finding;
 use volgraph_shader::{ParamSpec, UniformValue};
 
+use crate::desc::ParamDesc;
 use crate::node_context::NodeContext;
 use crate::{Pass, ResourceDesc};
 
@@ -23,13 +25,15 @@ pub enum PortType {
     Transfer,
     /// A picture on the CPU (a source).
     Image,
+    /// What labels mean, on the CPU (a source).
+    Segments,
     /// A 2D texture of linear premultiplied colour.
     Color,
     /// A 2D texture of one number per pixel.
     Scalar2d,
     /// A 2D texture of a vector of world space per pixel; the fourth is 1 where there is one.
     Vector2d,
-    /// A row of colour and extinction over the scalar.
+    /// Colour and extinction over the scalar, one row for each transfer function.
     Table1d,
     /// A 2D texture of segment colour and optical depth.
     Table2d,
@@ -37,6 +41,8 @@ pub enum PortType {
     VolumeTexture,
     /// A 3D texture of gradients.
     GradientTexture,
+    /// A 3D texture of labels and of how far each is the only one around.
+    LabelTexture,
     /// A 2D texture of an image.
     ImageTexture,
     /// A 2D texture with the slices of a grid side by side: of four lights, the share that reaches a point.
@@ -51,6 +57,7 @@ impl fmt::Display for PortType {
             Self::Volume => "volume",
             Self::Transfer => "transfer",
             Self::Image => "image",
+            Self::Segments => "segments",
             Self::Color => "color",
             Self::Scalar2d => "scalar_2d",
             Self::Vector2d => "vector_2d",
@@ -58,6 +65,7 @@ impl fmt::Display for PortType {
             Self::Table2d => "table_2d",
             Self::VolumeTexture => "volume_texture",
             Self::GradientTexture => "gradient_texture",
+            Self::LabelTexture => "label_texture",
             Self::ImageTexture => "image_texture",
             Self::LightGrid => "light_grid",
             Self::Mesh => "mesh",
@@ -97,7 +105,8 @@ impl Requirement {
 pub struct Demand {
     /// Its kind.
     pub kind: &'static str,
-    /// Its inputs: (its port, the demanding node's port that is connected to the same writer).
+    /// Its inputs: (its port, the demanding node's port that is connected to the same writer). Where that one is open,
+    /// so is its own, if it may be.
     pub inputs: &'static [(&'static str, &'static str)],
     /// Its parameters: (its parameter, the demanding node's parameter with the value).
     pub params: &'static [(&'static str, &'static str)],
@@ -166,6 +175,9 @@ pub struct Inherited {
     /// Input ports of this node that are connected as the writer's of the same name are.
     pub inputs: &'static [&'static str],
 }
+
+/// Parameters by name that a row of their table has for itself.
+pub type ParamRow = IndexMap<String, ParamDesc>;
 
 /// The members of a uniform by name. A shader's struct may declare fewer.
 pub type Uniform = Vec<(&'static str, UniformValue)>;
@@ -243,6 +255,13 @@ pub trait NodeKind: Send + Sync {
             format!("`{}` fills no uniform `{name}`", self.name()),
         )
         .help(format!("node `{}` uses it", node.name())))
+    }
+
+    /// The rows of the table of parameters after the first, which is the node's own, for shaders that select one
+    /// (`params_select`). A row says what differs from the node's own.
+    fn param_rows<'g>(&self, node: &NodeContext<'g>) -> Vec<&'g ParamRow> {
+        let _ = node;
+        Vec::new()
     }
 
     /// What is done in a frame.

@@ -7,10 +7,12 @@ use glam::DVec3;
 use indexmap::IndexMap;
 use serde::Serialize;
 use volgraph_report::{Finding, Findings};
-use volgraph_shader::{Binding, BindingKind, UniformValue, UniformWriter};
+use volgraph_shader::{
+    Binding, BindingKind, MemberType, StructLayout, UniformValue, UniformWriter,
+};
 
 use crate::camera::{Camera, CameraDesc, View};
-use crate::check::{BindingSource, binding_source, check};
+use crate::check::{BindingSource, PARAMS_TABLE, binding_source, check};
 use crate::cull::cull;
 use crate::demand::{ShaderLibrary, demand};
 use crate::desc::GraphDesc;
@@ -219,6 +221,68 @@ impl Plan {
         }
     }
 
+    /// The table of parameters, the node's own in its first row. Rows that nobody selects are zeros.
+    fn param_rows(
+        &self,
+        id: NodeId,
+        binding: &Binding,
+        table: &StructLayout,
+    ) -> Result<Vec<u8>, Finding> {
+        let node = &self.graph.nodes[id];
+        let layout = node
+            .program
+            .as_ref()
+            .and_then(|program| program.module.struct_layout("Params"));
+        let array = table.members.first().map(|member| &member.ty);
+        let (
+            Some(kind),
+            Some(layout),
+            Some(MemberType::Array {
+                count: Some(count),
+                stride,
+                ..
+            }),
+        ) = (node.kind(), layout, array)
+        else {
+            let message = format!("node `{}` has no parameters to select", node.name);
+            return Err(Finding::error("internal", message));
+        };
+        let context = NodeContext::new(&self.graph, id, &self.limits);
+        let rows = kind.param_rows(&context);
+        if rows.len() >= *count as usize {
+            let message = format!(
+                "{} labels have parameters of their own, of {} at most",
+                rows.len(),
+                count - 1
+            );
+            return Err(context
+                .error("over-limit", message)
+                .help("give labels the same parameters where they need no others"));
+        }
+        let mut bytes = Vec::new();
+        for row in std::iter::once(None).chain(rows.into_iter().map(Some)) {
+            let mut writer = UniformWriter::new(&layout);
+            let mut result = Ok(());
+            for spec in node.specs() {
+                let given = row.and_then(|row| row.get(&spec.name));
+                let value = given.map(|given| &given.value);
+                let value = value.or_else(|| node.params.get(&spec.name));
+                if let (true, Some(value)) = (writer.has(&spec.name), value) {
+                    result = result.and(writer.set_param(&spec, value).map(|_| ()));
+                }
+            }
+            let row = result.and_then(|()| writer.finish()).map_err(|error| {
+                Finding::error("uniform", format!("a row of the parameters: {error}"))
+                    .at(binding.place.clone())
+            })?;
+            let end = bytes.len() + *stride as usize;
+            bytes.extend(row);
+            bytes.resize(end, 0);
+        }
+        bytes.resize(table.size as usize, 0);
+        Ok(bytes)
+    }
+
     /// The bytes of a uniform binding of one node in a frame.
     ///
     /// # Errors
@@ -237,6 +301,9 @@ impl Plan {
                 format!("`{}` is no uniform", binding.name),
             ));
         };
+        if binding.name == PARAMS_TABLE {
+            return self.param_rows(id, binding, layout);
+        }
         let mut writer = UniformWriter::new(layout);
         let mut result = Ok(());
         let source = binding_source(node, binding)?;

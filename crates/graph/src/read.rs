@@ -310,7 +310,8 @@ fn edges(value: &Value<'_>, findings: &mut Findings) -> IndexMap<String, EdgeDes
     edges
 }
 
-fn params(entries: Vec<Entry<'_>>, findings: &mut Findings) -> IndexMap<String, ParamDesc> {
+/// Named values, by their form alone, as the parameters of a node are written; a finding for each that is none.
+pub fn params(entries: Vec<Entry<'_>>, findings: &mut Findings) -> IndexMap<String, ParamDesc> {
     let mut params = IndexMap::new();
     for entry in entries {
         if let Some(value) = findings.take(param_value(&entry.value)) {

@@ -82,6 +82,15 @@ impl Folders {
         self
     }
 
+    /// The same, and before all others the folder of a file that names more of them.
+    #[must_use]
+    pub fn beside(&self, file: &Path) -> Self {
+        let folder = file.parent().unwrap_or(Path::new("")).to_path_buf();
+        let mut beside = self.clone();
+        beside.folders.insert(0, folder);
+        beside
+    }
+
     /// The first folder's file that is there; where none is, the one in the graph's folder. A path that starts with
     /// `embedded:` is taken as it is.
     #[must_use]

@@ -10,6 +10,7 @@ pub mod encoding;
 pub mod false_color;
 pub mod gradient;
 pub mod image_texture;
+pub mod label_texture;
 pub mod light_volume;
 pub mod lit_preintegration;
 pub mod material_table;
@@ -18,6 +19,7 @@ pub mod preintegration;
 pub mod proxy_box;
 pub mod raycast;
 pub mod refraction_table;
+pub mod segmentation;
 pub mod source;
 pub mod transfer_table;
 pub mod volume_texture;
@@ -33,10 +35,12 @@ pub fn registry() -> Registry {
         .add_source(source::analytic::AnalyticKind)
         .add_source(source::transfer::TransferKind)
         .add_source(source::image::ImageKind)
+        .add_source(source::segments::SegmentsKind)
         .add_node(background::Background)
         .add_node(proxy_box::ProxyBox)
         .add_node(raycast::Raycast)
         .add_node(volume_texture::VolumeTexture)
+        .add_node(label_texture::LabelTexture)
         .add_node(gradient::Gradient)
         .add_node(transfer_table::TransferTable)
         .add_node(preintegration::Preintegration)

@@ -170,7 +170,8 @@ impl NodeKind for LitPreintegration {
 
 /// The members of the uniform `lit_tables` (see `lib/lit_tables.wgsl`).
 pub(crate) fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
-    let (low, span) = table_range(node)?;
+    let transfer = transfer(node, "transfer")?;
+    let (low, span) = table_range(node, &transfer)?;
     let voxel = volume(node, "volume")?.grid().min_spacing();
     let last = |port: &str, param: &str| {
         let writer = node.writer(port)?;

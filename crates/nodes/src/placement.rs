@@ -153,7 +153,7 @@ pub fn normalised_range(volume: &Volume) -> (f64, f64) {
 }
 
 /// Texture coordinates (0..1 over whole voxels) from world positions.
-fn texture_from_world(grid: &Grid) -> DAffine3 {
+pub(crate) fn texture_from_world(grid: &Grid) -> DAffine3 {
     let texture_from_index =
         DAffine3::from_scale(1.0 / dims(grid)) * DAffine3::from_translation(DVec3::splat(0.5));
     texture_from_index * grid.world_from_index.inverse()
@@ -163,7 +163,7 @@ fn dims(grid: &Grid) -> DVec3 {
     DVec3::from_array(grid.dims.map(f64::from))
 }
 
-fn columns(matrix: DMat4) -> [[f32; 4]; 4] {
+pub(crate) fn columns(matrix: DMat4) -> [[f32; 4]; 4] {
     matrix.as_mat4().to_cols_array_2d()
 }
 

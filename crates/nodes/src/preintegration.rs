@@ -1,8 +1,9 @@
-//! `preintegration`: the table of integrals over segments, for one segment length.
+//! `preintegration`: the table of integrals over segments, for one segment length; of several transfer functions, side by
+//! side in one texture.
 
 use volgraph_graph::{
-    InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement, ResourceDesc, Size,
-    UploadBytes,
+    InputPort, Limits, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement,
+    ResourceDesc, Size, UploadBytes,
 };
 use volgraph_optics::TransferFunction;
 use volgraph_report::Finding;
@@ -10,7 +11,7 @@ use volgraph_shader::ParamSpec;
 use wgpu_types::TextureFormat;
 
 use crate::placement::volume;
-use crate::transfer_table::transfer;
+use crate::transfer_table::transfers;
 
 /// The node kind `preintegration`.
 pub struct Preintegration;
@@ -20,8 +21,14 @@ pub(crate) const INPUTS: &[InputPort] = &[
     InputPort {
         name: "transfer",
         ty: PortType::Transfer,
-        requirement: Requirement::Required,
-        doc: "The transfer function.",
+        requirement: Requirement::Optional,
+        doc: "The transfer function; the first table.",
+    },
+    InputPort {
+        name: "segments",
+        ty: PortType::Segments,
+        requirement: Requirement::Optional,
+        doc: "What labels mean; a table for each transfer function that they name.",
     },
     InputPort {
         name: "volume",
@@ -65,13 +72,49 @@ pub(crate) fn segment_references(
     Ok(segment_world * transfer.reference_length().extinction_per_world(voxel))
 }
 
+/// Most bytes of all tables of a node together.
+const MAX_BYTES: u64 = 1 << 30;
+
+/// Columns and rows of tables in the texture. One column is enough while the texture is not too high for it.
+#[must_use]
+pub fn tiles(limits: &Limits, size: u32, count: usize) -> [u32; 2] {
+    let count = u32::try_from(count.max(1)).unwrap_or(u32::MAX);
+    let most = u32::try_from(limits.max_texture_2d).unwrap_or(u32::MAX) / size.max(1);
+    let columns = count.div_ceil(most.max(1));
+    [columns, count.div_ceil(columns)]
+}
+
+/// Where the tables are more than fit, the remedy names the size that does.
+fn check_sum(node: &NodeContext<'_>, size: u32, count: usize) -> Result<(), Finding> {
+    let fits = |size: u32| {
+        let bytes = u64::from(size).pow(2) * 16 * count as u64;
+        let [columns, rows] = tiles(node.limits(), size, count);
+        let is_in = |n: u32| u64::from(n) * u64::from(size) <= node.limits().max_texture_2d;
+        bytes <= MAX_BYTES && is_in(columns) && is_in(rows)
+    };
+    // One table alone is judged as all textures are.
+    if count <= 1 || fits(size) {
+        return Ok(());
+    }
+    let help = match (6..12)
+        .rev()
+        .map(|power| 1 << power)
+        .find(|size| fits(*size))
+    {
+        Some(size) => format!("set `preintegration_size` to {size} or less"),
+        None => "name fewer transfer functions, or choose the slot `classify` \"post\"".to_owned(),
+    };
+    let message = format!("{count} pre-integrated tables of {size}x{size} entries are too large");
+    Err(node.error("over-limit", message).help(help))
+}
+
 impl NodeKind for Preintegration {
     fn name(&self) -> &'static str {
         "preintegration"
     }
 
     fn doc(&self) -> &'static str {
-        "Integrates a transfer function over all segments between two scalars (2D pre-integration)."
+        "Integrates transfer functions over all segments between two scalars (2D pre-integration)."
     }
 
     fn inputs(&self) -> &[InputPort] {
@@ -88,22 +131,38 @@ impl NodeKind for Preintegration {
 
     fn output(&self, _port: &str, node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
         let size = node.uint("preintegration_size");
+        let count = transfers(node)?.len();
+        check_sum(node, size, count)?;
+        let [columns, rows] = tiles(node.limits(), size, count);
         Ok(ResourceDesc::Texture {
             dimensions: 2,
-            size: Size::Absolute([size, size, 1]),
+            size: Size::Absolute([size * columns, size * rows, 1]),
             format: TextureFormat::Rgba32Float,
         })
     }
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
-        let transfer = transfer(node, "transfer")?;
-        let segment_references = segment_references(node, &transfer)?;
+        let transfers = transfers(node)?;
+        let references: Vec<f64> = transfers
+            .iter()
+            .map(|transfer| segment_references(node, transfer))
+            .collect::<Result<_, _>>()?;
         let size = node.uint("preintegration_size");
+        let [columns, rows] = tiles(node.limits(), size, transfers.len()).map(|n| n as usize);
         let bytes = UploadBytes::new(move || {
-            let table = transfer
-                .preintegrated_table(size, segment_references)
-                .map_err(|error| Finding::error("table", error.to_string()))?;
-            Ok(bytemuck::cast_slice(&table.entries).to_vec())
+            let side = size as usize;
+            let mut entries = vec![[0.0_f32; 4]; side * columns * side * rows];
+            for (at, (transfer, references)) in transfers.iter().zip(&references).enumerate() {
+                let table = transfer
+                    .preintegrated_table(size, *references)
+                    .map_err(|error| Finding::error("table", error.to_string()))?;
+                let first = (at / columns * side * columns + at % columns) * side;
+                for (row, line) in table.entries.chunks(side).enumerate() {
+                    let start = first + row * side * columns;
+                    entries[start..start + side].copy_from_slice(line);
+                }
+            }
+            Ok(bytemuck::cast_slice(&entries).to_vec())
         });
         Ok(vec![Pass::Upload {
             port: "table",

@@ -3,21 +3,22 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use volgraph_graph::{
-    Demand, Inherited, InputPort, Mesh, NodeContext, NodeKind, OutputPort, Pass, PortType,
-    ProgramSpec, Requirement, ResourceDesc, Size, SlotSpec, Uniform,
+    Demand, Inherited, InputPort, Mesh, NodeContext, NodeKind, OutputPort, ParamRow, Pass,
+    PortType, ProgramSpec, Requirement, ResourceDesc, Size, SlotSpec, Uniform,
 };
-use volgraph_optics::Domain;
+use volgraph_optics::{Domain, TransferFunction};
 use volgraph_report::Finding;
-use volgraph_shader::{ParamSpec, UniformValue};
+use volgraph_shader::{ParamSpec, ParamValue, UniformValue};
 use volgraph_volume::Grid;
 use wgpu_types::TextureFormat;
 
 use crate::background::Background;
 use crate::lit_preintegration::{self, LitPreintegration};
 use crate::placement::{self, f32_value};
+use crate::source::segments::SegmentsSource;
 use crate::{
-    clip_volume, light_volume, material_table, preintegration, proxy_box, transfer_table,
-    volume_texture,
+    clip_volume, light_volume, material_table, preintegration, proxy_box, segmentation,
+    transfer_table, volume_texture,
 };
 
 /// The node kind `raycast`.
@@ -41,6 +42,18 @@ const INPUTS: &[InputPort] = &[
         ty: PortType::Transfer,
         requirement: Requirement::Optional,
         doc: "The transfer function, for techniques that classify.",
+    },
+    InputPort {
+        name: "labels",
+        ty: PortType::Volume,
+        requirement: Requirement::Optional,
+        doc: "What the volume is made of, a whole number of 0 to 255 per voxel; outside of it is label 0.",
+    },
+    InputPort {
+        name: "segments",
+        ty: PortType::Segments,
+        requirement: Requirement::Optional,
+        doc: "What the labels mean; they are all drawn alike where it is open.",
     },
     InputPort {
         name: "behind",
@@ -142,6 +155,46 @@ const INPUTS: &[InputPort] = &[
             slots: &[],
         }),
         doc: "The transfer function integrated over segments.",
+    },
+    InputPort {
+        name: "label_texture",
+        ty: PortType::LabelTexture,
+        requirement: Requirement::Demanded(Demand {
+            kind: "label_texture",
+            inputs: &[("labels", "labels")],
+            params: &[],
+            slots: &[],
+        }),
+        doc: "The labels on the device.",
+    },
+    InputPort {
+        name: "transfer_tables",
+        ty: PortType::Table1d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "transfer_table",
+            inputs: &[("transfer", "transfer"), ("segments", "segments")],
+            params: &[("table_size", "table_size")],
+            slots: &[],
+        }),
+        doc: "The transfer functions of all labels as rows of a table.",
+    },
+    InputPort {
+        name: "preintegration_tables",
+        ty: PortType::Table2d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "preintegration",
+            inputs: &[
+                ("transfer", "transfer"),
+                ("segments", "segments"),
+                ("volume", "volume"),
+            ],
+            params: &[
+                ("step", "step"),
+                ("preintegration_size", "preintegration_size"),
+            ],
+            slots: &[],
+        }),
+        doc: "The transfer functions of all labels integrated over segments.",
     },
     InputPort {
         name: "environment",
@@ -351,6 +404,7 @@ impl NodeKind for Raycast {
     }
 
     fn params(&self) -> Vec<ParamSpec> {
+        let [label_boundary, label_placement] = segmentation::params();
         vec![
             ParamSpec::choice(
                 "stage",
@@ -362,6 +416,8 @@ impl NodeKind for Raycast {
             clip_volume::storage_param(),
             transfer_table::size_param(),
             preintegration::size_param(),
+            label_boundary,
+            label_placement,
         ]
     }
 
@@ -374,7 +430,9 @@ impl NodeKind for Raycast {
             "volume",
             "clip_placement",
             "transfer",
+            "transfers",
             "lit_tables",
+            "segmentation",
             "tile",
             "light_grid",
         ]
@@ -440,6 +498,7 @@ impl NodeKind for Raycast {
             _ => TextureFormat::R32Float,
         };
         check_table_sizes(node)?;
+        check_tables_of_labels(node)?;
         Ok(ResourceDesc::Texture {
             dimensions: 2,
             size: Size::ViewRelative(1.0),
@@ -451,7 +510,12 @@ impl NodeKind for Raycast {
         match name {
             "volume" => placement::uniform(node),
             "clip_placement" => placement::uniform_at(node, "clip_volume"),
-            "transfer" => transfer_uniform(node),
+            "transfer" => {
+                let transfer = transfer_table::transfer(node, "transfer")?;
+                transfer_uniform(node, &transfer, ["transfer_table", "preintegration_table"])
+            }
+            "transfers" => segmentation::transfers_uniform(node),
+            "segmentation" => segmentation::uniform(node),
             "light_grid" => {
                 light_volume::uniform(node, &node.writer("light_volume").unwrap_or(*node))
             }
@@ -461,6 +525,12 @@ impl NodeKind for Raycast {
                 UniformValue::UVec2(tile(node)?.map_or([0; 2], |tile| [tile[0], tile[1]])),
             )]),
         }
+    }
+
+    fn param_rows<'g>(&self, node: &NodeContext<'g>) -> Vec<&'g ParamRow> {
+        segmentation::segments(node)
+            .map(SegmentsSource::param_rows)
+            .unwrap_or_default()
     }
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
@@ -517,6 +587,8 @@ fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
         ("material_preintegration_table", "preintegration_size"),
         ("material_moments_table", "preintegration_size"),
         ("emission_moments_table", "preintegration_size"),
+        ("transfer_tables", "table_size"),
+        ("preintegration_tables", "preintegration_size"),
     ] {
         if let Some(writer) = node.writer(port)
             && writer.uint(param) < 2
@@ -530,14 +602,45 @@ fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
     Ok(())
 }
 
+/// A table of one transfer function cannot serve labels that have others.
+fn check_tables_of_labels(node: &NodeContext<'_>) -> Result<(), Finding> {
+    let has_others =
+        segmentation::segments(node).is_some_and(|segments| !segments.transfers.is_empty());
+    let is_of_one = |port: &&InputPort| match port.requirement {
+        Requirement::Demanded(demand) => {
+            let is_made_of = |mine: &str| demand.inputs.iter().any(|(_, it)| *it == mine);
+            is_made_of("transfer") && !is_made_of("segments") && node.uses_binding(port.name)
+        }
+        _ => false,
+    };
+    match INPUTS.iter().find(is_of_one).filter(|_| has_others) {
+        None => Ok(()),
+        Some(port) => Err(node
+            .error(
+                "labels-unsupported",
+                format!(
+                    "labels have transfer functions of their own, but its shader reads `{}`, which is made of one",
+                    port.name
+                ),
+            )
+            .help("choose the slot `classify` \"post\" or \"preintegrated_2d\"")),
+    }
+}
+
 /// Most segments of a ray: software drivers end loops after 65,535 turns, and a GPU would be busy for seconds.
 pub(crate) const MAX_SEGMENTS: f64 = 65_535.0;
 
 /// The choices of slots that every walk through the volume needs, that of a light as well.
 pub(crate) fn walk_slots(node: &NodeContext<'_>) -> BTreeMap<String, String> {
+    let tables = if segmentation::has_labels(node) {
+        "many"
+    } else {
+        "one"
+    };
     BTreeMap::from([
         placement::filter_slot(node),
         placement::filter_slot_at(node, "clip_volume"),
+        (segmentation::TABLES_SLOT.to_owned(), tables.to_owned()),
     ])
 }
 
@@ -552,7 +655,15 @@ pub(crate) fn check_walk(node: &NodeContext<'_>) -> Result<(), Finding> {
 fn check_segments(node: &NodeContext<'_>) -> Result<(), Finding> {
     let grid = placement::volume(node, "volume")?.grid();
     for param in ["step", "shadow_step"] {
-        let step = node.float(param) * grid.min_spacing();
+        // Labels may have steps of their own.
+        let rows = Raycast.param_rows(node).into_iter();
+        let steps = rows.filter_map(|row| match row.get(param)?.value {
+            ParamValue::Float(step) => Some(step),
+            #[expect(clippy::cast_precision_loss, reason = "steps are small")]
+            ParamValue::Int(step) => Some(step as f64),
+            _ => None,
+        });
+        let step = steps.fold(node.float(param), f64::min) * grid.min_spacing();
         let segments = (longest_ray(grid) / step).ceil();
         if step > 0.0 && segments > MAX_SEGMENTS {
             return Err(node
@@ -597,9 +708,12 @@ pub(crate) fn longest_ray(grid: &Grid) -> f64 {
     pairs.fold(0.0, f64::max)
 }
 
-/// The members of the uniform `transfer` (see `lib/transfer.wgsl`).
-fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
-    let transfer = transfer_table::transfer(node, "transfer")?;
+/// The members of the uniform `transfer` (see `lib/transfer_row.wgsl`), for tables at these ports.
+pub(crate) fn transfer_uniform(
+    node: &NodeContext<'_>,
+    transfer: &TransferFunction,
+    [table, preintegration_table]: [&str; 2],
+) -> Result<Uniform, Finding> {
     let volume = placement::volume(node, "volume")?;
     let scalar = |at: f64| {
         let (from, to) = placement::normalised_range(volume);
@@ -613,13 +727,13 @@ fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
         node.writer(port)
             .map_or(1.0, |writer| f64::from(writer.uint(param).max(2) - 1))
     };
-    let entries = last("transfer_table", "table_size");
+    let entries = last(table, "table_size");
     let refraction = last("refraction_table", "table_size");
-    let preintegration = last("preintegration_table", "preintegration_size");
+    let preintegration = last(preintegration_table, "preintegration_size");
     let preintegration_step = node
-        .writer("preintegration_table")
+        .writer(preintegration_table)
         .map_or(1.0, |writer| writer.float("step"));
-    let (low, span) = table_range(node)?;
+    let (low, span) = table_range(node, transfer)?;
     // Shaders count scalars from the encoding's reference.
     let reference = placement::encoding(node)?.reference;
     // Of a transfer function that bends nothing, no scalar is between the two.
@@ -658,8 +772,10 @@ fn transfer_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
 }
 
 /// The scalar that tables of the transfer function start at, as shaders count scalars, and how many they span.
-pub(crate) fn table_range(node: &NodeContext<'_>) -> Result<(f64, f64), Finding> {
-    let transfer = transfer_table::transfer(node, "transfer")?;
+pub(crate) fn table_range(
+    node: &NodeContext<'_>,
+    transfer: &TransferFunction,
+) -> Result<(f64, f64), Finding> {
     let (mut low, mut high) = transfer.range();
     if transfer.domain() == Domain::Normalised {
         let (from, to) = placement::normalised_range(placement::volume(node, "volume")?);

@@ -2,6 +2,7 @@
 
 pub mod analytic;
 pub mod image;
+pub mod segments;
 pub mod transfer;
 pub mod volume;
 

@@ -1,4 +1,4 @@
-//! `transfer_table`: a transfer function as a table for post-classification.
+//! `transfer_table`: transfer functions as a table for post-classification, a row for each.
 
 use std::sync::Arc;
 
@@ -11,17 +11,26 @@ use volgraph_report::Finding;
 use volgraph_shader::ParamSpec;
 use wgpu_types::TextureFormat;
 
+use crate::source::segments::SegmentsSource;
 use crate::source::transfer::TransferSource;
 
 /// The node kind `transfer_table`.
 pub struct TransferTable;
 
-const INPUTS: &[InputPort] = &[InputPort {
-    name: "transfer",
-    ty: PortType::Transfer,
-    requirement: Requirement::Required,
-    doc: "The transfer function.",
-}];
+const INPUTS: &[InputPort] = &[
+    InputPort {
+        name: "transfer",
+        ty: PortType::Transfer,
+        requirement: Requirement::Optional,
+        doc: "The transfer function; the first row.",
+    },
+    InputPort {
+        name: "segments",
+        ty: PortType::Segments,
+        requirement: Requirement::Optional,
+        doc: "What labels mean; a row for each transfer function that they name.",
+    },
+];
 
 const OUTPUTS: &[OutputPort] = &[OutputPort {
     name: "table",
@@ -50,13 +59,31 @@ pub fn transfer(node: &NodeContext<'_>, port: &str) -> Result<Arc<TransferFuncti
         })
 }
 
+/// The transfer functions of a node with the inputs `transfer` and `segments`, in the order of the rows of its tables:
+/// its own first, where it has one.
+///
+/// # Errors
+/// `missing-input` where there is none.
+pub fn transfers(node: &NodeContext<'_>) -> Result<Vec<Arc<TransferFunction>>, Finding> {
+    let Some(segments) = node.source::<SegmentsSource>("segments") else {
+        return Ok(vec![transfer(node, "transfer")?]);
+    };
+    let own = node.is_connected("transfer");
+    let own = own.then(|| transfer(node, "transfer")).transpose()?;
+    let all: Vec<_> = own.into_iter().chain(segments.transfers.clone()).collect();
+    if all.is_empty() {
+        transfer(node, "transfer")?;
+    }
+    Ok(all)
+}
+
 impl NodeKind for TransferTable {
     fn name(&self) -> &'static str {
         "transfer_table"
     }
 
     fn doc(&self) -> &'static str {
-        "Samples a transfer function into a table of colour and extinction."
+        "Samples transfer functions into a table of colour and extinction."
     }
 
     fn inputs(&self) -> &[InputPort] {
@@ -73,25 +100,34 @@ impl NodeKind for TransferTable {
 
     fn output(&self, _port: &str, node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
         Ok(ResourceDesc::Texture {
-            // One row of a 2D texture: wgpu 30 makes 1D textures 2D on GL, where shaders still ask for 1D ones.
+            // Rows of a 2D texture: wgpu 30 makes 1D textures 2D on GL, where shaders still ask for 1D ones.
             dimensions: 2,
-            size: Size::Absolute([node.uint("table_size"), 1, 1]),
+            size: Size::Absolute([node.uint("table_size"), row_count(&transfers(node)?), 1]),
             format: TextureFormat::Rgba32Float,
         })
     }
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
-        let transfer = transfer(node, "transfer")?;
+        let transfers = transfers(node)?;
         let size = node.uint("table_size");
         let bytes = UploadBytes::new(move || {
-            let table = transfer
-                .post_table(size)
-                .map_err(|error| Finding::error("table", error.to_string()))?;
-            Ok(bytemuck::cast_slice(&table.entries).to_vec())
+            let mut bytes = Vec::new();
+            for transfer in &transfers {
+                let table = transfer
+                    .post_table(size)
+                    .map_err(|error| Finding::error("table", error.to_string()))?;
+                bytes.extend_from_slice(bytemuck::cast_slice(&table.entries));
+            }
+            Ok(bytes)
         });
         Ok(vec![Pass::Upload {
             port: "table",
             bytes,
         }])
     }
+}
+
+/// How many rows that are.
+fn row_count(transfers: &[Arc<TransferFunction>]) -> u32 {
+    u32::try_from(transfers.len()).unwrap_or(u32::MAX)
 }

@@ -2,6 +2,9 @@
 //!
 //! The order: the directives of all files, each once; one `struct Params` with the members of all, and its
 //! binding; the files without what was taken out of them. Each piece is noted with where it comes from.
+//!
+//! Parameters are a uniform. Where a file calls `params_select(row)` they are a table of rows instead, and `params` is a
+//! variable that the call fills: whoever reads `params` reads those of the row that was selected last.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -10,8 +13,40 @@ use std::path::PathBuf;
 use volgraph_report::{Finding, Findings, Place};
 
 use crate::linked::{Builder, Declared, MergedParam, import_chain};
-use crate::scan::Scan;
+use crate::scan::{PARAMS_SELECT, Scan};
 use crate::{Linked, LinkedFile};
+
+/// What follows the members of `struct Params` where rows of a table are selected. The table is a uniform, which has to
+/// have a size: as many rows as fit into what devices allow. (A storage buffer has no such bound, but llvmpipe of Mesa
+/// 22.3 reads zeros from one in fragment shaders.)
+fn params_table(members: usize) -> String {
+    // A member takes 16 bytes at most, and structs in uniforms are aligned to as many.
+    let rows = (MAX_UNIFORM_BYTES / (16 * members.max(1))).clamp(1, MAX_PARAM_ROWS);
+    format!(
+        "}}
+struct ParamsRow {{
+    @align(16) params: Params,
+}}
+struct ParamsTable {{
+    rows: array<ParamsRow, {rows}>,
+}}
+@group(3) @binding(0) var<uniform> params_table: ParamsTable;
+var<private> params: Params;
+fn params_select(row: u32) {{
+    params = params_table.rows[row].params;
+}}
+"
+    )
+}
+
+/// What WebGPU guarantees for a uniform.
+const MAX_UNIFORM_BYTES: usize = 64 << 10;
+
+/// The node's own and one for each of 256 labels would be 257; one that differs from no other is not needed.
+const MAX_PARAM_ROWS: usize = 256;
+
+/// Where no file has parameters, there is nothing to select.
+const NO_PARAMS_TO_SELECT: &str = "fn params_select(row: u32) {}\n";
 
 /// The largest linked text, in bytes; it bounds what naga works on.
 const MAX_LINKED_BYTES: usize = 1 << 20;
@@ -107,6 +142,10 @@ impl Assembler {
             })
         };
         let Some((first_file, _, first)) = structs().next() else {
+            let caller = self.files.iter().position(|(_, scan)| scan.selects_params);
+            if let Some(caller) = caller {
+                builder.make(NO_PARAMS_TO_SELECT, caller, 0..0);
+            }
             return;
         };
         builder.make("struct Params {\n", first_file, first.name.clone());
@@ -116,8 +155,16 @@ impl Assembler {
                 builder.make(",\n", at, member.range.end..member.range.end);
             }
         }
-        let tail = "}\n@group(3) @binding(0) var<uniform> params: Params;\n";
-        builder.make(tail, first_file, first.name.clone());
+        let tail = if self.selects_params() {
+            params_table(structs().map(|(.., params)| params.members.len()).sum())
+        } else {
+            "}\n@group(3) @binding(0) var<uniform> params: Params;\n".to_owned()
+        };
+        builder.make(&tail, first_file, first.name.clone());
+    }
+
+    fn selects_params(&self) -> bool {
+        self.files.iter().any(|(_, scan)| scan.selects_params)
     }
 
     /// The members of all `struct Params`; a finding for each name that is there twice.
@@ -172,8 +219,11 @@ impl Assembler {
             .flat_map(|(at, (_, scan))| scan.params.iter().map(move |params| (at, params)))
             .next();
         if let Some((file, params)) = first {
-            declared.extend(["Params", "params"].map(|name| Declared {
-                name: name.to_owned(),
+            let of_table = ["ParamsRow", "ParamsTable", "params_table", PARAMS_SELECT];
+            let of_table = of_table.iter().filter(|_| self.selects_params());
+            let names = ["Params", "params"].iter().chain(of_table);
+            declared.extend(names.map(|name| Declared {
+                name: (*name).to_owned(),
                 file,
                 range: params.name.clone(),
                 docs: Vec::new(),

@@ -62,11 +62,16 @@ pub(crate) struct Scan {
     /// `enable …;`, `requires …;` and `diagnostic(…);` before the first declaration.
     pub directives: Vec<Range<usize>>,
     pub params: Vec<ParamStruct>,
+    /// Whether the file calls `params_select`.
+    pub selects_params: bool,
     /// All but `struct Params`.
     pub declarations: Vec<Declaration>,
     /// The byte order mark, where there is one.
     pub mark: Range<usize>,
 }
+
+/// The function that makes the parameters those of a row of their table.
+pub(crate) const PARAMS_SELECT: &str = "params_select";
 
 const IMPORT_FORMS: &str = "expected `#import \"file.wgsl\"` or `#import slot \"name\"`";
 
@@ -75,6 +80,9 @@ pub(crate) fn scan(text: &str) -> Scan {
     let tokens = tokens(text);
     let mut scan = Scan {
         mark: 0..if text.starts_with('\u{feff}') { 3 } else { 0 },
+        selects_params: tokens
+            .iter()
+            .any(|token| token.kind == Kind::Word && &text[token.range.clone()] == PARAMS_SELECT),
         ..Scan::default()
     };
     let mut docs = Vec::new();

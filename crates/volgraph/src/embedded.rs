@@ -10,7 +10,10 @@ use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
 
 use include_dir::{Dir, include_dir};
-use volgraph_graph::{EMBEDDED_GRAPHS as ROOT, Folders, GraphDesc, SourceDesc, is_embedded, read};
+use volgraph_graph::{
+    EMBEDDED_GRAPHS as ROOT, Folders, GraphDesc, Source, SourceDesc, is_embedded, read,
+};
+use volgraph_nodes::source::segments;
 use volgraph_report::did_you_mean;
 use volgraph_shader::ParamValue;
 
@@ -127,6 +130,16 @@ impl ReadyGraph {
     pub fn files(&self) -> Vec<(PathBuf, &'static [u8])> {
         let mut paths = vec![format!("{}.ron", self.name)];
         paths.extend(self.desc.sources.values().filter_map(path_of));
+        let segments = self
+            .desc
+            .sources
+            .values()
+            .filter(|it| it.kind == "segments");
+        paths.extend(
+            segments
+                .filter_map(path_of)
+                .flat_map(|path| transfers_of(&path)),
+        );
         let below = self.path.strip_prefix(ROOT).unwrap_or(&self.path);
         let folder = below.parent().unwrap_or(Path::new(""));
         paths
@@ -137,6 +150,18 @@ impl ReadyGraph {
             })
             .collect()
     }
+}
+
+/// The files of transfer functions that a file of segments names.
+fn transfers_of(segments: &str) -> Vec<String> {
+    let path = Path::new(ROOT).join(segments);
+    let folders = folders(&path, &[]);
+    let read = text(&path).and_then(|text| segments::parse(&path, text, &folders).ok());
+    let files = read.map(|segments| segments.files()).unwrap_or_default();
+    let below = files.iter().filter(|file| **file != path);
+    below
+        .filter_map(|file| Some(file.strip_prefix(ROOT).ok()?.to_str()?.to_owned()))
+        .collect()
 }
 
 fn path_of(source: &SourceDesc) -> Option<String> {
@@ -228,10 +253,15 @@ mod tests {
         );
         for graph in &graphs {
             assert_eq!(text(&graph.path), Some(graph.text));
-            let with_path = graph.desc.sources.values().filter_map(path_of).count();
+            let sources = graph.desc.sources.values();
+            let with_path = sources.clone().filter_map(path_of).count();
+            let segments = sources.filter(|source| source.kind == "segments");
+            let named = segments
+                .filter_map(path_of)
+                .flat_map(|path| transfers_of(&path));
             assert_eq!(
                 graph.files().len() + graph.volumes().len(),
-                1 + with_path,
+                1 + with_path + named.count(),
                 "{}",
                 graph.name
             );

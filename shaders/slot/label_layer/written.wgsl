@@ -7,7 +7,12 @@
 fn label_layer(shown: Shown, pixel: vec2i) {
     var label = 0u;
     if shown_is_something(shown) {
-        label = labels_at(ray_position(shown.ray, shown_distance(shown)));
+        // On the very boundary two labels are as near; the part knows which one is shown.
+        let distance = shown_distance(shown);
+        label = shown.ray.label;
+        if distance < 0.0 {
+            label = labels_at(ray_position(shown.ray, distance));
+        }
     }
     textureStore(label_out, pixel, vec4f(f32(label)));
 }

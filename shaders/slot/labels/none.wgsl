@@ -6,8 +6,18 @@ fn labels_next(ray: Ray, end: f32) -> Stretch {
     return Stretch(end, 0u, vec3f(0.0));
 }
 
-// Makes the parameters those of a label.
+// Whether a label is drawn.
+fn labels_is_visible(label: u32) -> bool {
+    return true;
+}
+
+// Makes the parameters and the transfer function those of a label, or the node's own for STRETCH_NO_LABEL.
 fn labels_select(label: u32) {
+}
+
+// The label that was selected last.
+fn labels_selected() -> u32 {
+    return STRETCH_NO_LABEL;
 }
 
 // The label at a position in texture coordinates.

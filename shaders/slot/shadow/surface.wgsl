@@ -51,10 +51,7 @@ fn shadow_transmittance(world: vec3f, normal: vec3f, light: Light, index: u32) -
         start = shadow_start(world, normal);
     }
     let ray = shadow_ray(start.world, light.direction, shadow_reach(world, light, index));
-    let label = parts_label;
-    let is_reached = shadow_is_free(start, ray);
-    parts_select(label);
-    return vec3f(select(0.0, 1.0, is_reached));
+    return vec3f(select(0.0, 1.0, shadow_is_free(start, ray)));
 }
 
 // How far a scalar is on the solid side.
@@ -139,7 +136,6 @@ fn shadow_is_free(given: ShadowStart, ray: Ray) -> bool {
         if !parts_next(&parts, &part) {
             break;
         }
-        parts_select(part.label);
         start.is_free = start.is_free || part.near > seen_to + 2.0 * volume_least();
         seen_to = part.far;
         let length = part.far - part.near;

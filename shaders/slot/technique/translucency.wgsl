@@ -79,7 +79,7 @@ fn translucency_color(point: SurfacePoint, ray: Ray) -> vec3f {
 
 // World length of a ray's way inside of the solid: through all of it, cut where the field crosses the level.
 fn translucency_inside(ray: Ray) -> f32 {
-    let label = parts_label;
+    let label = labels_selected();
     var parts = parts_begin(ray);
     var part = ray;
     var inside = 0.0;
@@ -87,7 +87,6 @@ fn translucency_inside(ray: Ray) -> f32 {
         if !parts_next(&parts, &part) {
             break;
         }
-        parts_select(part.label);
         let length = part.far - part.near;
         var front = shadow_sample(part, 0.0);
         var start = 0.0;
@@ -99,7 +98,7 @@ fn translucency_inside(ray: Ray) -> f32 {
             start = end;
         }
     }
-    parts_select(label);
+    labels_select(label);
     return inside;
 }
 

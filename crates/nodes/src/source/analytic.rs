@@ -6,8 +6,8 @@ use std::sync::Arc;
 use volgraph_graph::{Folders, PortType, Source, SourceKind};
 use volgraph_report::{Finding, Findings, did_you_mean};
 use volgraph_shader::{ParamSpec, ParamValue};
-use volgraph_volume::ScalarType;
 use volgraph_volume::analytic::{AnalyticField, sample};
+use volgraph_volume::{ScalarType, Volume, VolumeError};
 
 use super::Given;
 use super::volume::VolumeSource;
@@ -16,7 +16,7 @@ use super::volume::VolumeSource;
 pub struct AnalyticKind;
 
 /// The fields of the source that are not the function's own parameters.
-const OWN: [&str; 3] = ["field", "dims", "type"];
+const OWN: [&str; 4] = ["field", "dims", "type", "levels"];
 
 impl SourceKind for AnalyticKind {
     fn name(&self) -> &'static str {
@@ -41,6 +41,12 @@ impl SourceKind for AnalyticKind {
                 "float32",
                 "Scalar type; whole-number types hold 0..1 over their range.",
             ),
+            ParamSpec::int(
+                "levels",
+                0,
+                "Makes labels of it: so many even steps of 0..1, numbered from 0, as uint8; 0 leaves the values.",
+            )
+            .range(0.0, 256.0),
         ];
         for info in names.iter().filter_map(|name| AnalyticField::info(name)) {
             for parameter in info.parameters {
@@ -85,11 +91,32 @@ impl SourceKind for AnalyticKind {
             .collect();
         let dims = given.dims("dims")?.unwrap_or([64; 3]);
         let volume = AnalyticField::by_name(name, &own)
-            .and_then(|field| sample(&field, dims, scalar_type))
+            .and_then(
+                |field| match given.uint("levels").filter(|levels| *levels > 0) {
+                    Some(levels) => sample(&field, dims, ScalarType::F32)
+                        .and_then(|volume| quantised(&volume, levels)),
+                    None => sample(&field, dims, scalar_type),
+                },
+            )
             .map_err(|error| Findings::from(Finding::from(error)))?;
         progress(1, 1);
         Ok(Arc::new(VolumeSource {
             volume: Arc::new(volume),
         }))
     }
+}
+
+/// The level of each voxel: 0..1 in so many even steps, numbered from 0.
+fn quantised(volume: &Volume, levels: u32) -> Result<Volume, VolumeError> {
+    let last = f64::from(levels.min(256)) - 1.0;
+    let mut labels: Vec<u8> = Vec::with_capacity(volume.voxels().len());
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to a byte"
+    )]
+    volume.voxels().for_each(|value| {
+        labels.push((value * (last + 1.0)).floor().clamp(0.0, last) as u8);
+    });
+    Volume::new(volume.name(), *volume.grid(), labels.into())
 }

@@ -19,6 +19,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use volgraph::{Case, Finding, Findings, Place, case, embedded, registry};
+use volgraph_nodes::source::segments;
 use volgraph_optics::TransferFunction;
 use volgraph_report::ron_text::Document;
 
@@ -159,10 +160,15 @@ fn check_ron(path: &Path, graphs: &graphs::Checker<'_>) -> Findings {
         TransferFunction::parse(path, &text)
             .err()
             .unwrap_or_default()
+    } else if has(&["segments", "others"]) {
+        let folders = embedded::folders(path, graphs.data);
+        segments::parse(path, &text, &folders)
+            .err()
+            .unwrap_or_default()
     } else {
-        Finding::error("unknown-file", "this is neither a graph, nor a transfer function, nor a test case")
+        Finding::error("unknown-file", "this is neither a graph, nor a transfer function, nor segments, nor a test case")
             .at(Place::whole_file(path))
-            .help("a graph has `nodes` and `outputs`; a transfer function has `points`, or `color` and `opacity`; a test case has `test: 1`")
+            .help("a graph has `nodes` and `outputs`; segments have `segments`; a transfer function has `points`, or `color` and `opacity`; a test case has `test: 1`")
             .into()
     }
 }
