@@ -16,7 +16,7 @@ use volgraph_report::{Finding, Findings, Place};
 
 use crate::desc::ParamDesc;
 use crate::graph::{Graph, Link, Node, NodeBody, NodeId, Origin, Program};
-use crate::kind::{Inherited, InputPort, ProgramSpec, Requirement};
+use crate::kind::{Inherited, InputPort, NodeKind, ProgramSpec, Requirement};
 use crate::limits::Limits;
 use crate::node_context::NodeContext;
 use crate::registry::Registry;
@@ -263,10 +263,12 @@ fn fulfil(
     let mut inputs = BTreeMap::new();
     for (theirs, mine) in &call.inputs {
         let Some(link) = by.inputs.get(mine) else {
-            let is_optional = |port: &InputPort| {
-                port.name == *theirs && port.requirement == Requirement::Optional
-            };
-            if kind.inputs().iter().any(is_optional) {
+            // Of several that may be left out, one is enough.
+            if may_be_left_out(kind.as_ref(), theirs)
+                && call.inputs.iter().any(|(theirs, mine)| {
+                    may_be_left_out(kind.as_ref(), theirs) && by.inputs.contains_key(mine)
+                })
+            {
                 continue;
             }
             let used_at = by.program.as_ref().and_then(|program| {
@@ -368,6 +370,12 @@ fn fulfil(
         made.alike.insert(graph.nodes.len() - 1);
     }
     Ok(link(graph.nodes.len() - 1))
+}
+
+fn may_be_left_out(kind: &dyn NodeKind, port: &str) -> bool {
+    kind.inputs()
+        .iter()
+        .any(|input| input.name == port && input.requirement == Requirement::Optional)
 }
 
 /// Most nodes that shaders may call for.

@@ -84,7 +84,12 @@ impl SourceKind for VolumeKind {
         let path = given.path("path", folders)?;
         if !path.exists() {
             // A ready graph has no folder of its own on the disk.
-            let file = path.strip_prefix(EMBEDDED_GRAPHS).unwrap_or(&path);
+            let given = given.text("path").map_or(path.as_path(), Path::new);
+            let file = if path.starts_with(EMBEDDED_GRAPHS) {
+                given
+            } else {
+                &path
+            };
             return Err(Finding::error("data-missing", format!("the volume file {} is not there", file.display()))
                 .help("name the folder that has it with `--data FOLDER` or in VOLGRAPH_DATA, or the file with `--volume`")
                 .into());

@@ -149,7 +149,9 @@ fn ready_graphs_are_listed_shown_and_written() {
     ] {
         assert!(list.contains(part), "{part}: {list}");
     }
-    let on_disk = std::fs::read_dir(root().join("graphs")).unwrap();
+    let on_disk = ["graphs", "graphs/scans"]
+        .iter()
+        .flat_map(|folder| std::fs::read_dir(root().join(folder)).unwrap());
     let count = on_disk
         .filter(|entry| entry.as_ref().unwrap().path().is_file())
         .count();

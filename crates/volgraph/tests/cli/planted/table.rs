@@ -57,10 +57,10 @@ pub const PLANTED: [Planted; 30] = [
     Planted {
         what: "syntax",
         file: "shaders/slot/technique/dvr.wgsl",
-        find: "let before = (*state).transmittance;",
-        with: "let before = ) (*state).transmittance;",
+        find: "let color = light_segment(",
+        with: "let color = ) light_segment(",
         code: "wgsl-syntax",
-        needle: ") (*state).transmittance;",
+        needle: ") light_segment(",
         ..PLAIN
     },
     Planted {
@@ -149,7 +149,7 @@ pub const PLANTED: [Planted; 30] = [
     },
     Planted {
         what: "bad parameter doc",
-        file: "shaders/slot/traverse/uniform.wgsl",
+        file: "shaders/lib/step.wgsl",
         find: "@default 1.0",
         with: "@default one",
         code: "params-doc",
