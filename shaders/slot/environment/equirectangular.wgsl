@@ -2,8 +2,7 @@
 // latitude along its height. Its top is world z up; its middle shows world +y, and world +x lies to the right of that,
 // at three quarters of the width.
 #import "lib/environment.wgsl"
-
-@group(3) @binding(24) var repeat_sampler: sampler;
+#import "lib/repeat_sampler.wgsl"
 
 const ENVIRONMENT_TURN: f32 = 6.2831853;
 

@@ -1,7 +1,7 @@
 // The background: an image, as high as the picture, repeated to the sides.
+#import "lib/repeat_sampler.wgsl"
 
 @group(2) @binding(3) var image_texture: texture_2d<f32>;
-@group(2) @binding(4) var repeat_sampler: sampler;
 
 // `place` is in the view plane: -1..1 over the height, y up.
 fn pattern_color(place: vec2f) -> vec4f {

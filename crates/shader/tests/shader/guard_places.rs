@@ -157,7 +157,7 @@ fn what_cannot_be_guarded_stays_as_it_is_and_says_why() {
     assert!(guard_in(&full, &[]).unguarded.is_none());
 }
 
-/// volgraph's own nodes with every choice of every slot that they reach.
+/// volgraph's own nodes; each choice of each slot that they reach is in one of them at least.
 fn own_shaders() -> Vec<Linked> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shaders");
     let roots = ShaderRoots::on_disk().root(&folder);
@@ -178,7 +178,7 @@ fn own_shaders() -> Vec<Linked> {
     let mut linked_all = Vec::new();
     for node in std::fs::read_dir(folder.join("node")).expect("a shader of the folder") {
         let node = node.expect("a shader of the folder").path();
-        let mut seen = BTreeSet::new();
+        let (mut seen, mut covered) = (BTreeSet::new(), BTreeSet::new());
         let mut pending = vec![first.clone()];
         while let Some(choice) = pending.pop() {
             let mut request = LinkRequest::new(&node);
@@ -189,6 +189,9 @@ fn own_shaders() -> Vec<Linked> {
             }
             for slot in linked.slots_used.keys() {
                 for other in &slots[slot] {
+                    if !covered.insert((slot.clone(), other.clone())) {
+                        continue;
+                    }
                     let mut changed = choice.clone();
                     changed.insert(slot.clone(), other.clone());
                     pending.push(changed);
@@ -198,6 +201,49 @@ fn own_shaders() -> Vec<Linked> {
         }
     }
     linked_all
+}
+
+/// Names, bindings and parameters are global to a node: any two choices of two slots must get on with each other.
+#[test]
+fn any_two_choices_link() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shaders");
+    let roots = ShaderRoots::on_disk().root(&folder);
+    let mut pairs = 0;
+    let slots: BTreeMap<String, Vec<String>> = own_shaders()
+        .iter()
+        .flat_map(|linked| linked.slots_used.keys().cloned().collect::<Vec<_>>())
+        .map(|slot| (slot.clone(), roots.choices(&slot)))
+        .collect();
+    // Slots are reached by way of these.
+    let far = [
+        ("technique", "dvr"),
+        ("light", "phong_ends"),
+        ("classify", "preintegrated_2d"),
+    ];
+    for (first, choices) in &slots {
+        for (second, others) in slots.range(first.clone()..).skip(1) {
+            for (choice, other) in choices
+                .iter()
+                .flat_map(|a| others.iter().map(move |b| (a, b)))
+            {
+                let mut request = LinkRequest::new("node/raycast.wgsl");
+                request.slots = slots
+                    .iter()
+                    .map(|(slot, choices)| (slot.clone(), choices[0].clone()))
+                    .collect();
+                request
+                    .slots
+                    .extend(far.map(|(slot, choice)| (slot.to_owned(), choice.to_owned())));
+                request.slots.insert(first.clone(), choice.clone());
+                request.slots.insert(second.clone(), other.clone());
+                if let Err(findings) = link(&roots, &request) {
+                    panic!("{first} {choice}, {second} {other}: {findings}");
+                }
+                pairs += 1;
+            }
+        }
+    }
+    assert!(pairs > 1000, "{pairs}");
 }
 
 #[test]
@@ -239,5 +285,5 @@ fn volgraphs_own_shaders_can_be_guarded() {
     has(&loops, "node/raycast.wgsl");
     has(&loops, "slot/gradient_method/sobel.wgsl");
     has(&loads, "slot/behind/texture.wgsl");
-    has(&loads, "lib/transfer.wgsl");
+    has(&loads, "lib/between.wgsl");
 }
