@@ -92,6 +92,7 @@ impl Shaders {
             })
         });
         let slots: Vec<Value> = own_slots.chain(fixed).collect();
+        let libraries = libraries(&slots);
         json!({
             "kind": kind.name(),
             "doc": kind.doc(),
@@ -100,6 +101,7 @@ impl Shaders {
             "params": kind.params().iter().map(param).collect::<Vec<_>>(),
             "shader": program.map(|program| self.file(Path::new(program.root))),
             "slots": slots,
+            "libraries": libraries,
         })
     }
 
@@ -113,7 +115,8 @@ impl Shaders {
         choices.collect()
     }
 
-    /// What a shader file says of itself: its first line and its own parameters.
+    /// What a shader file says of itself: its first line and its own parameters; and those of the libraries that it
+    /// imports.
     fn file(&self, path: &Path) -> Value {
         match check_file(&self.roots, path, &self.defaults, Capabilities::default()) {
             Ok(module) => {
@@ -124,19 +127,67 @@ impl Shaders {
                 let is_own = |spec: &&ParamSpec| {
                     spec.place.as_ref().map(|p| &p.file) == own.map(|file| &file.path)
                 };
+                let libraries = module
+                    .linked
+                    .files
+                    .iter()
+                    .filter(|file| is_library(&file.path));
+                let libraries = libraries.filter_map(|file| {
+                    let is_its = |spec: &&ParamSpec| {
+                        spec.place
+                            .as_ref()
+                            .is_some_and(|place| place.file == file.path)
+                    };
+                    let params: Vec<Value> =
+                        module.params().iter().filter(is_its).map(param).collect();
+                    let doc = first_sentence(&file.text);
+                    (!params.is_empty())
+                        .then(|| json!({ "path": file.path, "doc": doc, "params": params }))
+                });
                 json!({
                     "path": own.map(|file| &file.path),
                     "doc": doc,
                     "params": module.params().iter().filter(is_own).map(param).collect::<Vec<_>>(),
+                    "libraries": libraries.collect::<Vec<_>>(),
                 })
             }
             Err(findings) => json!({
                 "path": path,
                 "doc": format!("has {} findings; `volgraph check` shows them", findings.len()),
                 "params": [],
+                "libraries": [],
             }),
         }
     }
+}
+
+/// Whether a file is no choice of a slot, nor a node's own.
+fn is_library(path: &Path) -> bool {
+    path.components().any(|part| part.as_os_str() == "lib")
+}
+
+/// The libraries with parameters that choices of the slots import, each once, with the choices that do. What a choice
+/// reaches by way of other slots counts as theirs.
+fn libraries(slots: &[Value]) -> Vec<Value> {
+    let mut libraries: BTreeMap<String, Value> = BTreeMap::new();
+    for slot in slots {
+        for choice in list(&slot["choices"]) {
+            for library in list(&choice["libraries"]) {
+                let used_by = format!("{} {}", word(&slot["name"]), word(&choice["name"]));
+                let entry = libraries
+                    .entry(word(&library["path"]).to_owned())
+                    .or_insert_with(|| {
+                        let mut library = library.clone();
+                        library["used_by"] = json!([]);
+                        library
+                    });
+                if let Some(users) = entry["used_by"].as_array_mut() {
+                    users.push(json!(used_by));
+                }
+            }
+        }
+    }
+    libraries.into_values().collect()
 }
 
 /// The first sentence of the comment at the start of a shader or graph.
@@ -148,8 +199,12 @@ pub(super) fn first_sentence(text: &str) -> String {
         .map(|line| line.trim_start_matches('/').trim())
         .collect::<Vec<_>>()
         .join(" ");
-    match comment.split_once(". ") {
-        Some((sentence, _)) => format!("{sentence}."),
+    // The point behind "et al" ends no sentence.
+    let end = comment
+        .match_indices(". ")
+        .find(|(at, _)| !comment[..*at].ends_with("et al"));
+    match end {
+        Some((at, _)) => comment[..=at].to_owned(),
         None => comment,
     }
 }
@@ -214,6 +269,14 @@ fn text(nodes: &[Value], sources: &[Value]) -> String {
                 line(&mut out, 6, word(&choice["name"]), choice);
                 params(&mut out, 8, &choice["params"]);
             }
+        }
+        for library in list(&node["libraries"]) {
+            let users: Vec<&str> = list(&library["used_by"]).iter().map(word).collect();
+            let path = word(&library["path"]);
+            let name = path.rsplit_once("lib/").map_or(path, |(_, name)| name);
+            let head = format!("with lib/{name} ({})", users.join(", "));
+            line(&mut out, 2, &head, library);
+            params(&mut out, 8, &library["params"]);
         }
     }
     for source in sources {
