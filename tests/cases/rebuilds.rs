@@ -82,7 +82,7 @@ fn an_edit_builds_what_it_changes() {
         let technique = own("slot/technique/dvr.wgsl");
         stage.write(
             TECHNIQUE,
-            technique.replace("before * light", "0.5 * before * light"),
+            technique.replace("= light_segment", "= 0.5 * light_segment"),
         );
         let image = BTreeMap::from([("image".to_owned(), 2)]);
         assert_eq!(

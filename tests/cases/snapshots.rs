@@ -99,7 +99,9 @@ fn a_graph_without_shadows_clip_or_environment_plans_and_binds_nothing_for_them(
             }
             let hits = plan.lines().filter(|line| {
                 let line = line.trim_start();
-                !line.starts_with("slot") && words.iter().any(|word| line.contains(word))
+                !line.starts_with("slot")
+                    && !line.starts_with("param")
+                    && words.iter().any(|word| line.contains(word))
             });
             let hits: Vec<&str> = hits.collect();
             assert!(hits.is_empty(), "{name} has no {slot}: {hits:?}");

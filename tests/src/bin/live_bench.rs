@@ -56,7 +56,7 @@ fn main() {
         (
             "a technique",
             "slot/technique/edited.wgsl",
-            "before * light_segment(",
+            "light_segment(",
         ),
         (
             "a library that every technique imports",
