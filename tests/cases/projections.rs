@@ -56,9 +56,8 @@ fn worst(
             met += 1;
             let (value, place) = truth(ray, range);
             error = error.max((f64::from(opacity[at]) - value).abs());
-            match place {
-                Some(place) => deep = deep.max((f64::from(depth[at]) - place).abs()),
-                None => {}
+            if let Some(place) = place {
+                deep = deep.max((f64::from(depth[at]) - place).abs());
             }
         }
     }
@@ -138,7 +137,7 @@ fn the_maximum_of_samples_has_an_order_and_that_of_the_field_no_error() {
                 }
             }
         }
-        (sum / count as f64).sqrt()
+        (sum / count).sqrt()
     };
     for backend in adapters() {
         let steps = [4.0, 2.0, 1.0, 0.5, 0.25];

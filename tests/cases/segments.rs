@@ -188,9 +188,9 @@ fn an_oblique_boundary_is_where_memberships_are_equal() {
                 for _ in 0..40 {
                     let middle = 0.5 * (a + b);
                     if (label(at(middle)) > 0.0) == last.1 {
-                        a = middle
+                        a = middle;
                     } else {
-                        b = middle
+                        b = middle;
                     }
                 }
             } else {
