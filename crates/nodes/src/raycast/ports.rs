@@ -1,0 +1,343 @@
+//! What a raycast reads and writes, and its slots.
+
+use volgraph_graph::{Demand, InputPort, OutputPort, PortType, Requirement, SlotSpec};
+
+use crate::lit_preintegration::{self, LitPreintegration};
+use crate::material_table;
+
+pub(super) const INPUTS: &[InputPort] = &[
+    InputPort {
+        name: "volume",
+        ty: PortType::Volume,
+        requirement: Requirement::Required,
+        doc: "The volume.",
+    },
+    InputPort {
+        name: "rays",
+        ty: PortType::Mesh,
+        requirement: Requirement::Required,
+        doc: "The proxy geometry that starts the rays.",
+    },
+    InputPort {
+        name: "transfer",
+        ty: PortType::Transfer,
+        requirement: Requirement::Optional,
+        doc: "The transfer function, for techniques that classify.",
+    },
+    InputPort {
+        name: "labels",
+        ty: PortType::Volume,
+        requirement: Requirement::Optional,
+        doc: "What the volume is made of, a whole number of 0 to 255 per voxel; outside of it is label 0.",
+    },
+    InputPort {
+        name: "segments",
+        ty: PortType::Segments,
+        requirement: Requirement::Optional,
+        doc: "What the labels mean; they are all drawn alike where it is open.",
+    },
+    InputPort {
+        name: "behind",
+        ty: PortType::Color,
+        requirement: Requirement::Optional,
+        doc: "What lies behind the volume; nothing where it is open.",
+    },
+    InputPort {
+        name: "image",
+        ty: PortType::Image,
+        requirement: Requirement::Optional,
+        doc: "The image of the pattern that bent rays see; where it is open, that of the background behind.",
+    },
+    InputPort {
+        name: "image_texture",
+        ty: PortType::ImageTexture,
+        requirement: Requirement::Demanded(Demand {
+            kind: "image_texture",
+            inputs: &[("image", "image")],
+            params: &[],
+            slots: &[],
+        }),
+        doc: "That image on the device.",
+    },
+    InputPort {
+        name: "clip_volume",
+        ty: PortType::Volume,
+        requirement: Requirement::Optional,
+        doc: "Another volume, of any size and placement, whose isosurface cuts: for the clip `volume`.",
+    },
+    InputPort {
+        name: "volume_texture",
+        ty: PortType::VolumeTexture,
+        requirement: Requirement::Demanded(Demand {
+            kind: "volume_texture",
+            inputs: &[("volume", "volume")],
+            params: &[("volume_storage", "volume_storage")],
+            slots: &[],
+        }),
+        doc: "The volume on the device.",
+    },
+    InputPort {
+        name: "clip_volume_texture",
+        ty: PortType::VolumeTexture,
+        requirement: Requirement::Demanded(Demand {
+            kind: "volume_texture",
+            inputs: &[("volume", "clip_volume")],
+            params: &[("volume_storage", "clip_volume_storage")],
+            slots: &[],
+        }),
+        doc: "The clip volume on the device.",
+    },
+    InputPort {
+        name: "gradient_volume",
+        ty: PortType::GradientTexture,
+        requirement: Requirement::Demanded(Demand {
+            kind: "gradient",
+            inputs: &[("volume", "volume")],
+            params: &[("volume_storage", "volume_storage")],
+            slots: &[
+                ("gradient_method", "gradient_method"),
+                ("gradient_storage", "gradient_storage"),
+            ],
+        }),
+        doc: "Gradients of the volume.",
+    },
+    InputPort {
+        name: "transfer_table",
+        ty: PortType::Table1d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "transfer_table",
+            inputs: &[("transfer", "transfer")],
+            params: &[("table_size", "table_size")],
+            slots: &[],
+        }),
+        doc: "The transfer function as a table.",
+    },
+    InputPort {
+        name: "refraction_table",
+        ty: PortType::Table1d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "refraction_table",
+            inputs: &[("transfer", "transfer")],
+            params: &[("table_size", "table_size")],
+            slots: &[],
+        }),
+        doc: "The transfer function's refractive index as a table.",
+    },
+    InputPort {
+        name: "preintegration_table",
+        ty: PortType::Table2d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "preintegration",
+            inputs: &[("transfer", "transfer"), ("volume", "volume")],
+            params: &[
+                ("step", "step"),
+                ("preintegration_size", "preintegration_size"),
+            ],
+            slots: &[],
+        }),
+        doc: "The transfer function integrated over segments.",
+    },
+    InputPort {
+        name: "label_texture",
+        ty: PortType::LabelTexture,
+        requirement: Requirement::Demanded(Demand {
+            kind: "label_texture",
+            inputs: &[("labels", "labels")],
+            params: &[],
+            slots: &[],
+        }),
+        doc: "The labels on the device.",
+    },
+    InputPort {
+        name: "transfer_tables",
+        ty: PortType::Table1d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "transfer_table",
+            inputs: &[("transfer", "transfer"), ("segments", "segments")],
+            params: &[("table_size", "table_size")],
+            slots: &[],
+        }),
+        doc: "The transfer functions of all labels as rows of a table.",
+    },
+    InputPort {
+        name: "preintegration_tables",
+        ty: PortType::Table2d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "preintegration",
+            inputs: &[
+                ("transfer", "transfer"),
+                ("segments", "segments"),
+                ("volume", "volume"),
+            ],
+            params: &[
+                ("step", "step"),
+                ("preintegration_size", "preintegration_size"),
+            ],
+            slots: &[],
+        }),
+        doc: "The transfer functions of all labels integrated over segments.",
+    },
+    InputPort {
+        name: "environment",
+        ty: PortType::Image,
+        requirement: Requirement::Optional,
+        doc: "The image of what surfaces mirror.",
+    },
+    InputPort {
+        name: "environment_texture",
+        ty: PortType::ImageTexture,
+        requirement: Requirement::Demanded(Demand {
+            kind: "image_texture",
+            inputs: &[("image", "environment")],
+            params: &[],
+            slots: &[],
+        }),
+        doc: "The image of what surfaces mirror, on the device.",
+    },
+    InputPort {
+        name: "light_volume",
+        ty: PortType::LightGrid,
+        requirement: Requirement::DemandedAlike("light_volume"),
+        doc: "How much of each light reaches the points of a grid.",
+    },
+    InputPort {
+        name: "material_table",
+        ty: PortType::Table1d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "material_table",
+            inputs: &[("transfer", "transfer")],
+            params: material_table::DEMANDED_PARAMS,
+            slots: &[],
+        }),
+        doc: "The transfer function's material as a table.",
+    },
+    lit_preintegration::port(
+        "material_preintegration_table",
+        LitPreintegration::Material,
+        "The transfer function's material integrated over segments.",
+    ),
+    lit_preintegration::port(
+        "material_moments_table",
+        LitPreintegration::MaterialMoments,
+        "Where in a segment its material is seen.",
+    ),
+    lit_preintegration::port(
+        "emission_moments_table",
+        LitPreintegration::EmissionMoments,
+        "Where in a segment its emission is seen.",
+    ),
+];
+
+pub(super) const OUTPUTS: &[OutputPort] = &[
+    OutputPort {
+        name: "color",
+        ty: PortType::Color,
+        doc: "Linear premultiplied colour, over what lies behind.",
+    },
+    OutputPort {
+        name: "depth",
+        ty: PortType::Scalar2d,
+        doc: "World distance from the eye to what the ray shows.",
+    },
+    OutputPort {
+        name: "opacity",
+        ty: PortType::Scalar2d,
+        doc: "Opacity of what the ray met in the volume.",
+    },
+    OutputPort {
+        name: "position",
+        ty: PortType::Vector2d,
+        doc: "World position of what the ray shows, counted from the middle of all volumes; the fourth is 1 where there is one.",
+    },
+    OutputPort {
+        name: "normal",
+        ty: PortType::Vector2d,
+        doc: "World normal of what the ray shows, towards the eye; the fourth is 1 where there is one.",
+    },
+    OutputPort {
+        name: "samples",
+        ty: PortType::Scalar2d,
+        doc: "Samples of the volume that the walk along the ray took.",
+    },
+    OutputPort {
+        name: "label",
+        ty: PortType::Scalar2d,
+        doc: "Label of what the ray shows.",
+    },
+];
+
+/// The outputs beside the colour; each is written by a slot of its own, `<name>_layer`.
+pub(super) const LAYERS: [&str; 6] = ["depth", "opacity", "position", "normal", "samples", "label"];
+
+pub(super) const SLOTS: &[SlotSpec] = &[
+    SlotSpec {
+        name: "technique",
+        default: "dvr",
+        doc: "What does a segment add to the pixel?",
+    },
+    SlotSpec {
+        name: "reconstruct",
+        default: "trilinear",
+        doc: "What is the scalar at a point?",
+    },
+    SlotSpec {
+        name: "gradient",
+        default: "stored",
+        doc: "What is the gradient at a point?",
+    },
+    SlotSpec {
+        name: "gradient_method",
+        default: "central",
+        doc: "How are stored gradients made?",
+    },
+    SlotSpec {
+        name: "gradient_storage",
+        default: "rgba16f",
+        doc: "How are gradients stored?",
+    },
+    SlotSpec {
+        name: "classify",
+        default: "post",
+        doc: "What are colour and opacity of a segment?",
+    },
+    SlotSpec {
+        name: "tone",
+        default: "window",
+        doc: "What does a projected scalar look like?",
+    },
+    SlotSpec {
+        name: "traverse",
+        default: "uniform",
+        doc: "Where does the next segment end?",
+    },
+    SlotSpec {
+        name: "light",
+        default: "unlit",
+        doc: "How is a point lit?",
+    },
+    SlotSpec {
+        name: "material",
+        default: "uniform",
+        doc: "What does a point make of light?",
+    },
+    SlotSpec {
+        name: "shadow",
+        default: "none",
+        doc: "How much of a light reaches a point?",
+    },
+    SlotSpec {
+        name: "environment",
+        default: "none",
+        doc: "What does a surface mirror?",
+    },
+    SlotSpec {
+        name: "clip",
+        default: "none",
+        doc: "Which part of the volume is visible?",
+    },
+    SlotSpec {
+        name: "labels",
+        default: "none",
+        doc: "What is the volume made of?",
+    },
+];

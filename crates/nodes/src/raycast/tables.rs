@@ -1,0 +1,140 @@
+//! The tables of transfer functions that a raycast reads: the uniform of one, and whether they fit.
+
+use volgraph_graph::{InputPort, NodeContext, Requirement, Uniform};
+use volgraph_optics::{Domain, TransferFunction};
+use volgraph_report::Finding;
+
+use super::ports::INPUTS;
+use crate::placement::{self, f32_value};
+use crate::segmentation;
+
+/// The table nodes may be the user's own, with sizes of their own.
+pub(super) fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
+    for (port, param) in [
+        ("transfer_table", "table_size"),
+        ("refraction_table", "table_size"),
+        ("preintegration_table", "preintegration_size"),
+        ("material_table", "table_size"),
+        ("material_preintegration_table", "preintegration_size"),
+        ("material_moments_table", "preintegration_size"),
+        ("emission_moments_table", "preintegration_size"),
+        ("transfer_tables", "table_size"),
+        ("preintegration_tables", "preintegration_size"),
+    ] {
+        if let Some(writer) = node.writer(port)
+            && writer.uint(param) < 2
+        {
+            return Err(node.error(
+                "bad-param",
+                format!("its input `{port}` comes from a node without `{param}`"),
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// A table of one transfer function cannot serve labels that have others.
+pub(super) fn check_tables_of_labels(node: &NodeContext<'_>) -> Result<(), Finding> {
+    let has_others =
+        segmentation::segments(node).is_some_and(|segments| !segments.transfers.is_empty());
+    let is_of_one = |port: &&InputPort| match port.requirement {
+        Requirement::Demanded(demand) => {
+            let is_made_of = |mine: &str| demand.inputs.iter().any(|(_, it)| *it == mine);
+            is_made_of("transfer") && !is_made_of("segments") && node.uses_binding(port.name)
+        }
+        _ => false,
+    };
+    match INPUTS.iter().find(is_of_one).filter(|_| has_others) {
+        None => Ok(()),
+        Some(port) => Err(node
+            .error(
+                "labels-unsupported",
+                format!(
+                    "labels have transfer functions of their own, but its shader reads `{}`, which is made of one",
+                    port.name
+                ),
+            )
+            .help("choose the slot `classify` \"post\" or \"preintegrated_2d\"")),
+    }
+}
+
+/// Beyond all scalars, in f32.
+const NO_SCALAR: f64 = 3.0e38;
+
+/// The members of the uniform `transfer` (see `lib/transfer_row.wgsl`), for tables at these ports.
+pub(crate) fn transfer_uniform(
+    node: &NodeContext<'_>,
+    transfer: &TransferFunction,
+    [table, preintegration_table]: [&str; 2],
+) -> Result<Uniform, Finding> {
+    let volume = placement::volume(node, "volume")?;
+    let scalar = |at: f64| {
+        let (from, to) = placement::normalised_range(volume);
+        match transfer.domain() {
+            Domain::Normalised => from + at * (to - from),
+            Domain::Data => at,
+        }
+    };
+    let voxel = volume.grid().min_spacing();
+    let last = |port: &str, param: &str| {
+        node.writer(port)
+            .map_or(1.0, |writer| f64::from(writer.uint(param).max(2) - 1))
+    };
+    let entries = last(table, "table_size");
+    let refraction = last("refraction_table", "table_size");
+    let preintegration = last(preintegration_table, "preintegration_size");
+    let preintegration_step = node
+        .writer(preintegration_table)
+        .map_or(1.0, |writer| writer.float("step"));
+    let (low, span) = table_range(node, transfer)?;
+    // Shaders count scalars from the encoding's reference.
+    let reference = placement::encoding(node)?.reference;
+    // Of a transfer function that bends nothing, no scalar is between the two.
+    let (first_bent, last_bent) = transfer
+        .refraction_span()
+        .map_or((NO_SCALAR, -NO_SCALAR), |(first, last)| {
+            (scalar(first) - reference, scalar(last) - reference)
+        });
+    let references_per_world = transfer.reference_length().extinction_per_world(voxel);
+    Ok(vec![
+        // The first and the last entry stand in the middle of their texels.
+        ("entry_scale", f32_value(entries / (span * (entries + 1.0)))),
+        (
+            "entry_bias",
+            f32_value((0.5 - low * entries / span) / (entries + 1.0)),
+        ),
+        ("low", f32_value(low)),
+        ("refraction_per_scalar", f32_value(refraction / span)),
+        ("refraction_last", f32_value(refraction)),
+        ("refraction_from", f32_value(first_bent)),
+        ("refraction_to", f32_value(last_bent)),
+        (
+            "preintegration_per_scalar",
+            f32_value(preintegration / span),
+        ),
+        ("preintegration_last", f32_value(preintegration)),
+        (
+            "halvings_per_world",
+            f32_value(references_per_world * std::f64::consts::LOG2_E),
+        ),
+        (
+            "preintegration_length",
+            f32_value(preintegration_step * voxel),
+        ),
+    ])
+}
+
+/// The scalar that tables of the transfer function start at, as shaders count scalars, and how many they span.
+pub(crate) fn table_range(
+    node: &NodeContext<'_>,
+    transfer: &TransferFunction,
+) -> Result<(f64, f64), Finding> {
+    let (mut low, mut high) = transfer.range();
+    if transfer.domain() == Domain::Normalised {
+        let (from, to) = placement::normalised_range(placement::volume(node, "volume")?);
+        (low, high) = (from + low * (to - from), from + high * (to - from));
+    }
+    // Shaders count scalars from the encoding's reference.
+    let reference = placement::encoding(node)?.reference;
+    Ok((low - reference, high - low))
+}

@@ -1,0 +1,91 @@
+//! What every walk through the volume needs, that of a light as well: choices of slots, and an end.
+
+use std::collections::BTreeMap;
+
+use volgraph_graph::{NodeContext, NodeKind};
+use volgraph_report::Finding;
+use volgraph_shader::ParamValue;
+use volgraph_volume::Grid;
+
+use super::Raycast;
+use crate::{clip_volume, placement, segmentation};
+
+/// Most segments of a ray: software drivers end loops after 65,535 turns, and a GPU would be busy for seconds.
+pub(crate) const MAX_SEGMENTS: f64 = 65_535.0;
+
+/// The choices of slots that every walk through the volume needs, that of a light as well.
+pub(crate) fn walk_slots(node: &NodeContext<'_>) -> BTreeMap<String, String> {
+    let tables = if segmentation::has_labels(node) {
+        "many"
+    } else {
+        "one"
+    };
+    BTreeMap::from([
+        placement::filter_slot(node),
+        placement::filter_slot_at(node, "clip_volume"),
+        (segmentation::TABLES_SLOT.to_owned(), tables.to_owned()),
+    ])
+}
+
+/// Whether such a walk comes to its end, and solves the field that it reads.
+pub(crate) fn check_walk(node: &NodeContext<'_>) -> Result<(), Finding> {
+    check_segments(node)?;
+    check_refinement(node)?;
+    clip_volume::check_steps(node)
+}
+
+/// The longest ray must not have more segments than are walked (`RAYCAST_MAX_SEGMENTS` in `node/raycast.wgsl`).
+fn check_segments(node: &NodeContext<'_>) -> Result<(), Finding> {
+    let grid = placement::volume(node, "volume")?.grid();
+    for param in ["step", "shadow_step"] {
+        // Labels may have steps of their own.
+        let rows = Raycast.param_rows(node).into_iter();
+        let steps = rows.filter_map(|row| match row.get(param)?.value {
+            ParamValue::Float(step) => Some(step),
+            #[expect(clippy::cast_precision_loss, reason = "steps are small")]
+            ParamValue::Int(step) => Some(step as f64),
+            _ => None,
+        });
+        let step = steps.fold(node.float(param), f64::min) * grid.min_spacing();
+        let segments = (longest_ray(grid) / step).ceil();
+        if step > 0.0 && segments > MAX_SEGMENTS {
+            return Err(node
+                .error(
+                    "too-many-segments",
+                    format!("its longest ray has {segments} segments, of {MAX_SEGMENTS} at most"),
+                )
+                .help(format!(
+                    "choose a longer `{param}`, or resample the volume to voxels closer to cubes"
+                )));
+        }
+    }
+    Ok(())
+}
+
+/// Roots and extremes of cubics are those of the trilinear field, and of no other (`lib/crossing.wgsl`,
+/// `lib/extremum.wgsl`).
+fn check_refinement(node: &NodeContext<'_>) -> Result<(), Finding> {
+    let reconstruct = node.slot("reconstruct");
+    for (param, exact, other) in [
+        ("refinement", "cubic", "bisection"),
+        ("extremum", "field", "samples"),
+    ] {
+        if node.text(param) == exact && reconstruct != "trilinear" {
+            let message = format!(
+                "its `{param}` `{exact}` solves the trilinear field, but its slot `reconstruct` is `{reconstruct}`"
+            );
+            let help = format!("set `{param}` to `{other}`, or `reconstruct` to `trilinear`");
+            return Err(node.error("bad-param", message).help(help));
+        }
+    }
+    Ok(())
+}
+
+/// The longest way through a volume's box, in world units.
+pub(crate) fn longest_ray(grid: &Grid) -> f64 {
+    let corners = grid.corners_world();
+    let pairs = corners
+        .iter()
+        .flat_map(|from| corners.iter().map(move |to| from.distance(*to)));
+    pairs.fold(0.0, f64::max)
+}
