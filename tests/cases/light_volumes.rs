@@ -348,6 +348,7 @@ fn the_grid_is_made_again_when_what_it_depends_on_changes_and_no_sooner() {
             roll: 0.0,
             distance: None,
             target: None,
+            zoom: 1.0,
         },
         ..CameraDesc::default()
     };

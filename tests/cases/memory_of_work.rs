@@ -28,6 +28,7 @@ fn orbit(azimuth: f64) -> CameraDesc {
         roll: 0.0,
         distance: None,
         target: None,
+        zoom: 1.0,
     };
     CameraDesc {
         pose,

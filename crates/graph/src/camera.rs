@@ -42,6 +42,8 @@ pub enum Pose {
         distance: Option<f64>,
         /// World position looked at; the middle of the volumes where `None`.
         target: Option<DVec3>,
+        /// What is fitted is divided by this: at 2 the volumes look twice as large.
+        zoom: f64,
     },
     /// From an eye to a target.
     LookAt {
@@ -72,6 +74,7 @@ impl Default for CameraDesc {
                 roll: 0.0,
                 distance: None,
                 target: None,
+                zoom: 1.0,
             },
             up: DVec3::Z,
             projection: Projection::Perspective { fov_y: 30.0 },
@@ -115,6 +118,13 @@ pub struct View {
 }
 
 impl CameraDesc {
+    fn zoom(&self) -> f64 {
+        match self.pose {
+            Pose::Orbit { zoom, .. } => zoom,
+            Pose::LookAt { .. } => 1.0,
+        }
+    }
+
     /// Fits what is open to `corners`, the corners of all volumes' boxes in world space (a unit cube around the
     /// origin where there are none), for a picture of the given width over height.
     #[must_use]
@@ -130,12 +140,13 @@ impl CameraDesc {
                 roll,
                 distance,
                 target,
+                zoom,
             } => {
                 let target = target.unwrap_or(middle);
                 let distance = distance.unwrap_or_else(|| match self.projection {
                     Projection::Perspective { fov_y } => {
                         let half = ((fov_y.to_radians() * 0.5).tan() * narrow).atan();
-                        radius / half.sin()
+                        radius / half.sin() / zoom
                     }
                     Projection::Orthographic { .. } => 4.0 * radius,
                 });
@@ -161,7 +172,7 @@ impl CameraDesc {
         }
         let projection = match self.projection {
             Projection::Orthographic { height: None } => Projection::Orthographic {
-                height: Some(2.0 * radius / narrow),
+                height: Some(2.0 * radius / narrow / self.zoom()),
             },
             given => given,
         };
@@ -282,6 +293,7 @@ mod tests {
             roll: 0.0,
             distance: None,
             target: None,
+            zoom: 1.0,
         };
         let camera = CameraDesc {
             pose,
@@ -292,6 +304,37 @@ mod tests {
         // The patient's left (+x) is at the right of the picture.
         assert!(camera.right.distance(DVec3::X) < 1e-12);
         assert!(camera.up.distance(DVec3::Z) < 1e-12);
+    }
+
+    #[test]
+    fn a_zoom_divides_what_is_fitted() {
+        let corners = [DVec3::ZERO, DVec3::new(4.0, 2.0, 1.0)];
+        let camera = |projection, zoom| {
+            let pose = Pose::Orbit {
+                azimuth: 20.0,
+                elevation: 10.0,
+                roll: 0.0,
+                distance: None,
+                target: None,
+                zoom,
+            };
+            let camera = CameraDesc {
+                pose,
+                projection,
+                ..CameraDesc::default()
+            };
+            camera.fit(&corners, 1.5)
+        };
+        let middle = DVec3::new(2.0, 1.0, 0.5);
+        let perspective = Projection::Perspective { fov_y: 30.0 };
+        let distance = |zoom| camera(perspective, zoom).eye.distance(middle);
+        assert!((distance(1.0) / distance(2.5) - 2.5).abs() < 1e-12);
+        let height = |zoom| match camera(Projection::Orthographic { height: None }, zoom).projection
+        {
+            Projection::Orthographic { height } => height.unwrap(),
+            other => panic!("{other:?}"),
+        };
+        assert!((height(1.0) / height(2.5) - 2.5).abs() < 1e-12);
     }
 
     #[test]
@@ -308,6 +351,7 @@ mod tests {
                         roll: 10.0,
                         distance: None,
                         target: None,
+                        zoom: 1.0,
                     };
                     let aspect = f64::from(size[0]) / f64::from(size[1]);
                     let camera = CameraDesc {

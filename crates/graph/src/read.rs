@@ -110,12 +110,29 @@ pub fn camera(value: &Value<'_>) -> Result<CameraDesc, Findings> {
             let distance = fields.read(&mut findings, "distance", |value| {
                 positive(value, value.f64()?, "a distance")
             });
+            let zoom = fields.read(&mut findings, "zoom", |value| {
+                let zoom = positive(value, value.f64()?, "a zoom")?;
+                let is_fitted = match projection {
+                    Projection::Perspective { .. } => distance.is_none(),
+                    Projection::Orthographic { height } => height.is_none(),
+                };
+                if is_fitted {
+                    return Ok(zoom);
+                }
+                Err(value
+                    .error(
+                        "exclusive-fields",
+                        "`zoom` changes what is fitted, and nothing is",
+                    )
+                    .help("leave out `distance` (of an orthographic camera `height`), or `zoom`"))
+            });
             Pose::Orbit {
                 azimuth,
                 elevation,
                 roll,
                 distance,
                 target,
+                zoom: zoom.unwrap_or(1.0),
             }
         }
         "look_at" => {
