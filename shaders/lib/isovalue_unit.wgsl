@@ -2,12 +2,12 @@
 #import "lib/volume.wgsl"
 
 struct Params {
-    /// The unit of isovalues: `normalised`, 0 to 1 over the range of the stored type (of floats: of the data), or `data`.
-    /// @default normalised @choices normalised data
+    /// The unit of isovalues: `range`, 0 to 1 over the values that the data has; `normalised`, over the range of the stored
+    /// type (of floats: of the data); or `data`. @default range @choices range normalised data
     isovalue_unit: u32,
 }
 
 // A scalar, as shaders count them, from an isovalue that the user gave.
 fn isovalue_scalar(given: f32) -> f32 {
-    return select(volume_from_normalised(given), given - volume.value_reference, params.isovalue_unit == 1u);
+    return volume_scalar(volume, given, params.isovalue_unit);
 }

@@ -105,9 +105,14 @@ fn volume_least() -> f32 {
     return 1.0e-4 * volume.voxel;
 }
 
-// A scalar from a normalised one.
-fn volume_from_normalised(normalised: f32) -> f32 {
-    return volume.normalised_low + normalised * volume.normalised_span;
+// A scalar of a placement, as shaders count them, from one that the user gave in a unit: 0, 0 to 1 over the range of the
+// data; 1, over that of the stored type (of floats: of the data); 2, data units.
+fn volume_scalar(placement: Volume, given: f32, unit: u32) -> f32 {
+    if unit == 0u {
+        return placement.value_low + given * placement.value_range;
+    }
+    let normalised = placement.normalised_low + given * placement.normalised_span;
+    return select(normalised, given - placement.value_reference, unit == 2u);
 }
 
 // Trilinear scalar in data units.

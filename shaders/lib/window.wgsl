@@ -12,10 +12,7 @@ struct Params {
 }
 
 fn window_scalar(given: f32) -> f32 {
-    if params.window_unit == 1u {
-        return volume_from_normalised(given);
-    }
-    return select(volume.value_low + given * volume.value_range, given - volume.value_reference, params.window_unit == 2u);
+    return volume_scalar(volume, given, params.window_unit);
 }
 
 // Where in the window a scalar is: 0 at its low end, 1 at its high end, less and more beyond.

@@ -28,3 +28,4 @@ mod refraction_media;
 mod segments;
 mod snapshots;
 mod sweep;
+mod units;

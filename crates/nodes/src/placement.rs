@@ -139,16 +139,20 @@ pub fn uniform_at(node: &NodeContext<'_>, port: &str) -> Result<Uniform, Finding
 /// What 0 and 1 of a normalised scalar stand for: the stored type's range, for floats the data's.
 #[must_use]
 pub fn normalised_range(volume: &Volume) -> (f64, f64) {
-    let range = volume
-        .voxels()
-        .scalar_type()
-        .range()
-        .or_else(|| volume.statistics().range())
-        .unwrap_or((0.0, 1.0));
-    if range.1 > range.0 {
-        range
+    match volume.voxels().scalar_type().range() {
+        Some(range) => range,
+        None => data_range(volume),
+    }
+}
+
+/// The smallest and largest value that the volume has; one apart where there is one alone.
+#[must_use]
+pub fn data_range(volume: &Volume) -> (f64, f64) {
+    let (low, high) = volume.statistics().range().unwrap_or((0.0, 1.0));
+    if high > low {
+        (low, high)
     } else {
-        (range.0, range.0 + 1.0)
+        (low, low + 1.0)
     }
 }
 

@@ -47,6 +47,8 @@
 //!   left to who draws.
 //! - Positions do not decrease. Two points at one position make a step, and the later one holds there. Beyond
 //!   the first and last point their values hold. One point alone is a constant.
+//! - `domain: normalised`, which is the default, counts positions 0 to 1 over the range of the volume's stored type;
+//!   `range` over the values that it has; `data` in its own values.
 //! - With `domain: data` the tables span the first to the last position given, those of a map's `from` and
 //!   `to` and of the material included; with `data(from, to)` no control point may lie outside.
 //! - A list has at most 4096 points, the text at most 256 KiB.

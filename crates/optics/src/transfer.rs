@@ -34,6 +34,8 @@ pub fn opacity_from_extinction(extinction: f64) -> f64 {
 pub enum Domain {
     /// 0..1 over the range of the volume's stored type.
     Normalised,
+    /// 0..1 over the values that the volume has.
+    Range,
     /// The volume's own data values (Hounsfield units, for instance).
     Data,
 }

@@ -8,8 +8,8 @@
 struct Params {
     /// The clip volume's value on the clip surface; inside is where it is above. @default 0.5
     clip_isovalue: f32,
-    /// The unit of `clip_isovalue`: `normalised`, 0 to 1 over the range of the stored type (of floats: of the data), or
-    /// `data`. @default normalised @choices normalised data
+    /// The unit of `clip_isovalue`: `range`, 0 to 1 over the values that the clip volume has; `normalised`, over the range
+    /// of the stored type (of floats: of the data); or `data`. @default range @choices range normalised data
     clip_isovalue_unit: u32,
     /// Where the clip volume is: at its own place in the `world`, or laid over the volume's `box`, axis by axis.
     /// @default world @choices world box
@@ -51,9 +51,7 @@ fn clip_volume_line(ray: Ray) -> ClipVolumeLine {
 // How far a position is above the isovalue, in data units.
 fn clip_volume_above(position: vec3f) -> f32 {
     let value = clip_volume_filter(position) * clip_placement.value_scale + clip_placement.value_offset;
-    let normalised = clip_placement.normalised_low + params.clip_isovalue * clip_placement.normalised_span;
-    let level = select(normalised, params.clip_isovalue - clip_placement.value_reference, params.clip_isovalue_unit == 1u);
-    return value - level;
+    return value - volume_scalar(clip_placement, params.clip_isovalue, params.clip_isovalue_unit);
 }
 
 // The same along a line, with the sign that what is visible is not below 0.

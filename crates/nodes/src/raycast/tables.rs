@@ -3,6 +3,7 @@
 use volgraph_graph::{InputPort, NodeContext, Requirement, Uniform};
 use volgraph_optics::{Domain, TransferFunction};
 use volgraph_report::Finding;
+use volgraph_volume::Volume;
 
 use super::ports::INPUTS;
 use crate::placement::{self, f32_value};
@@ -68,13 +69,7 @@ pub(crate) fn transfer_uniform(
     [table, preintegration_table]: [&str; 2],
 ) -> Result<Uniform, Finding> {
     let volume = placement::volume(node, "volume")?;
-    let scalar = |at: f64| {
-        let (from, to) = placement::normalised_range(volume);
-        match transfer.domain() {
-            Domain::Normalised => from + at * (to - from),
-            Domain::Data => at,
-        }
-    };
+    let scalar = |at: f64| data_value(volume, transfer.domain(), at);
     let voxel = volume.grid().min_spacing();
     let last = |port: &str, param: &str| {
         node.writer(port)
@@ -129,12 +124,20 @@ pub(crate) fn table_range(
     node: &NodeContext<'_>,
     transfer: &TransferFunction,
 ) -> Result<(f64, f64), Finding> {
-    let (mut low, mut high) = transfer.range();
-    if transfer.domain() == Domain::Normalised {
-        let (from, to) = placement::normalised_range(placement::volume(node, "volume")?);
-        (low, high) = (from + low * (to - from), from + high * (to - from));
-    }
+    let volume = placement::volume(node, "volume")?;
+    let (low, high) = transfer.range();
+    let [low, high] = [low, high].map(|at| data_value(volume, transfer.domain(), at));
     // Shaders count scalars from the encoding's reference.
     let reference = placement::encoding(node)?.reference;
     Ok((low - reference, high - low))
+}
+
+/// The data value at a position of a transfer function.
+fn data_value(volume: &Volume, domain: Domain, at: f64) -> f64 {
+    let (from, to) = match domain {
+        Domain::Data => return at,
+        Domain::Normalised => placement::normalised_range(volume),
+        Domain::Range => placement::data_range(volume),
+    };
+    from + at * (to - from)
 }

@@ -15,6 +15,7 @@ pub(super) fn read_domain(value: &Value<'_>) -> Result<DomainField, Findings> {
     let mut fields = Fields::new(entries);
     let read = match name.as_str() {
         "normalised" => (Domain::Normalised, Some((0.0, 1.0))),
+        "range" => (Domain::Range, Some((0.0, 1.0))),
         "data" => {
             let from = fields.read(&mut findings, "from", read_position);
             let to = fields.read(&mut findings, "to", read_position);
@@ -37,7 +38,7 @@ pub(super) fn read_domain(value: &Value<'_>) -> Result<DomainField, Findings> {
         _ => {
             return Err(value
                 .error("unknown-domain", format!("unknown domain `{name}`"))
-                .help_opt(did_you_mean(&name, ["normalised", "data"]))
+                .help_opt(did_you_mean(&name, ["normalised", "range", "data"]))
                 .into());
         }
     };

@@ -10,6 +10,7 @@ pub(crate) fn write(transfer: &TransferFunction) -> String {
     let (from, to) = transfer.range;
     let domain = match transfer.domain {
         Domain::Normalised => "normalised".to_owned(),
+        Domain::Range => "range".to_owned(),
         Domain::Data => format!("data(from: {from:?}, to: {to:?})"),
     };
     let reference_length = match transfer.reference_length {
