@@ -40,7 +40,7 @@ fn the_units_of_scalars_are_one_another() {
     let transfers = [
         transfer("range", |share| share),
         transfer("normalised", normalised),
-        transfer("data", data),
+        transfer("data(from: 100, to: 300)", data),
     ];
     let params = |unit: &str, prefix: &str, values: [f64; 2]| {
         let [low, high] = values;
