@@ -9,26 +9,27 @@ struct Params {
 }
 
 struct Extremum {
-    // The scalar times the sign, and its world distance along the ray from the eye.
+    // The scalar times the sign, its world distance along the ray from the eye, and what label it is of.
     value: f32,
     depth: f32,
+    label: u32,
 }
 
 fn extremum_begin() -> Extremum {
-    return Extremum(-3.0e38, RAY_NO_DEPTH);
+    return Extremum(-3.0e38, RAY_NO_DEPTH, 0u);
 }
 
-fn extremum_take(best: ptr<function, Extremum>, value: f32, depth: f32) {
+fn extremum_take(best: ptr<function, Extremum>, value: f32, depth: f32, label: u32) {
     if value > (*best).value {
-        *best = Extremum(value, depth);
+        *best = Extremum(value, depth, label);
     }
 }
 
 // Takes a segment in. `field_sign` is 1 for the largest scalar, -1 for the smallest.
 fn extremum_segment(best: ptr<function, Extremum>, ray: Ray, segment: Segment, field_sign: f32) {
     let depth = ray.near + segment.start;
-    extremum_take(best, field_sign * segment.front.scalar, depth);
-    extremum_take(best, field_sign * segment.back.scalar, depth + segment.length);
+    extremum_take(best, field_sign * segment.front.scalar, depth, ray.label);
+    extremum_take(best, field_sign * segment.back.scalar, depth + segment.length, ray.label);
     if params.extremum == 0u {
         return;
     }
@@ -43,7 +44,8 @@ fn extremum_segment(best: ptr<function, Extremum>, ray: Ray, segment: Segment, f
             let places = vec4f(0.0, extremes, 1.0);
             for (var i = 0u; i < 4u; i++) {
                 let value = field_sign * cell_cubic_at(cubic, places[i]);
-                extremum_take(best, value, ray.near + cell.start + places[i] * (cell.end - cell.start));
+                let at = ray.near + cell.start + places[i] * (cell.end - cell.start);
+                extremum_take(best, value, at, ray.label);
             }
         }
         if !cell_next(ray, &cell) {

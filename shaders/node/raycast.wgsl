@@ -59,6 +59,8 @@ fn raycast_pixel(pixel: vec2f) -> Shown {
             start = end;
         }
     }
+    // What is made of all parts together is no label's.
+    labels_select(STRETCH_NO_LABEL);
     return Shown(technique_finish(state, ray), ray, samples);
 }
 

@@ -229,9 +229,10 @@ fn pictures(
 }
 
 fn sweep(clip: &str) {
-    let backend = &adapters()[0];
+    let backends = adapters();
     for technique in choices("technique") {
-        for spacing in SPACINGS {
+        // Each spacing on another backend, where there are several.
+        for (spacing, backend) in SPACINGS.into_iter().zip(backends.iter().cycle()) {
             let what = format!("{technique}, clip {clip}, spacing {spacing}");
             let stage = scene(&technique, clip, spacing, false);
             let [fragment, compute] = STAGES.map(|form| {

@@ -27,7 +27,8 @@ use crate::{OpticsError, TransferFunction, opacity_from_extinction};
 ///
 /// Against float64 quadrature, with colours of 0 to 1 and segments of up to 6 reference lengths, the error of an
 /// entry's colour is below 1e-5 at 1024 entries a side and falls with the square of their number, also for narrow
-/// peaks and across steps; the depth is right to f32's precision.
+/// peaks and across steps; the depth is right to f32's precision. Where the extinction goes from nothing to opaque
+/// within one cell, entries that are few cells apart can be off by up to 1e-3.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PreintegratedTable {
     /// Entries a side, `n`; entry `i` stands for the scalar `lo + i / (n - 1) · (hi - lo)`.

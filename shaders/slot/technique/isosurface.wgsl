@@ -1,8 +1,5 @@
 // The first isosurface that the ray meets, opaque and lit.
-#import "lib/crossing.wgsl"
-#import "lib/cut_face.wgsl"
-#import "lib/isovalue.wgsl"
-#import "lib/surface.wgsl"
+#import "lib/first_hit.wgsl"
 #import slot "light"
 
 struct Params {
@@ -21,23 +18,13 @@ fn technique_begin(ray: Ray) -> TechniqueState {
 }
 
 fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ray>, segment: Segment) -> bool {
-    var distance = 0.0;
-    var normal = vec3f(0.0);
-    var scalar = isovalue_level();
-    if cut_face_is_met((*state).face, *ray, segment) {
-        normal = surface_entry_normal(*ray);
-        scalar = segment.front.scalar;
-    } else {
-        distance = crossing_next(*ray, segment, scalar, -1.0);
-        if distance == CROSSING_NONE {
-            (*state).face = cut_face_after(*ray, segment);
-            return false;
-        }
-        normal = surface_gradient_normal(*ray, distance);
+    let hit = first_hit((*state).face, *ray, segment);
+    (*state).face = hit.face;
+    if !hit.is_met {
+        return false;
     }
-    let point = SurfacePoint(ray_world(*ray, distance), ray_position(*ray, distance), normal, scalar);
-    (*state).color = vec4f(light_surface(params.surface_color, point, *ray), 1.0);
-    (*state).depth = (*ray).near + distance;
+    (*state).color = vec4f(light_surface(params.surface_color, hit.point, *ray), 1.0);
+    (*state).depth = hit.depth;
     return true;
 }
 

@@ -1,5 +1,6 @@
 // Maximum intensity projection: the largest scalar along the ray.
 #import "lib/extremum.wgsl"
+#import slot "labels"
 #import slot "tone"
 
 struct TechniqueState {
@@ -21,5 +22,6 @@ fn technique_finish(state: TechniqueState, ray: Ray) -> RayResult {
     if state.best.depth >= RAY_NO_DEPTH {
         return ray_nothing();
     }
+    labels_select(state.best.label);
     return RayResult(tone_color(state.best.value), state.best.depth);
 }

@@ -1,9 +1,7 @@
 // The first isosurface that the ray meets, opaque to the eye but not to light: each light is attenuated by the way that
 // it goes inside of the solid before it comes to the point (Stegmaier et al. 2005, section 6), by colour, so that thin
 // parts glow when they are lit from behind. It lights the surface itself, without the slot `light`.
-#import "lib/crossing.wgsl"
-#import "lib/cut_face.wgsl"
-#import "lib/isovalue.wgsl"
+#import "lib/first_hit.wgsl"
 #import "lib/lights.wgsl"
 #import "lib/shadow_ray.wgsl"
 #import "lib/surface.wgsl"
@@ -32,23 +30,13 @@ fn technique_begin(ray: Ray) -> TechniqueState {
 }
 
 fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ray>, segment: Segment) -> bool {
-    var distance = 0.0;
-    var normal = vec3f(0.0);
-    var scalar = isovalue_level();
-    if cut_face_is_met((*state).face, *ray, segment) {
-        normal = surface_entry_normal(*ray);
-        scalar = segment.front.scalar;
-    } else {
-        distance = crossing_next(*ray, segment, scalar, -1.0);
-        if distance == CROSSING_NONE {
-            (*state).face = cut_face_after(*ray, segment);
-            return false;
-        }
-        normal = surface_gradient_normal(*ray, distance);
+    let hit = first_hit((*state).face, *ray, segment);
+    (*state).face = hit.face;
+    if !hit.is_met {
+        return false;
     }
-    let point = SurfacePoint(ray_world(*ray, distance), ray_position(*ray, distance), normal, scalar);
-    (*state).color = vec4f(translucency_color(point, *ray), 1.0);
-    (*state).depth = (*ray).near + distance;
+    (*state).color = vec4f(translucency_color(hit.point, *ray), 1.0);
+    (*state).depth = hit.depth;
     return true;
 }
 

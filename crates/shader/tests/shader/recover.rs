@@ -260,6 +260,10 @@ fn one_mistake_in_a_real_shader_is_one_finding() {
         ("label_layer", "none"),
         ("behind", "texture"),
         ("volume_filter", "loads"),
+        ("clip_volume_filter", "loads"),
+        ("transfer_tables", "one"),
+        ("beyond", "none"),
+        ("pattern", "uniform"),
     ]
     .into_iter()
     .fold(
