@@ -29,19 +29,20 @@ fn lit_tables_material(scalar: f32) -> vec4f {
 fn lit_tables_segment(segment: Segment, table: u32) -> vec4f {
     let ends = vec2f(segment.front.scalar, segment.back.scalar);
     let place = (ends - lit_tables.low) * lit_tables.material.x;
-    return between_entries(material_preintegration_table, place, lit_tables.material.y, table);
+    let last = lit_tables.material.y;
+    return between_entries(material_preintegration_table, place, last, vec2i(0, i32(table) * (i32(last) + 1)));
 }
 
 // The share of the back end's light in a segment's diffuse colour and in its highlight.
 fn lit_tables_material_moments(segment: Segment) -> vec4f {
     let ends = vec2f(segment.front.scalar, segment.back.scalar);
-    return between_entries(material_moments_table, (ends - lit_tables.low) * lit_tables.moments.x, lit_tables.moments.y, 0u);
+    return between_entries(material_moments_table, (ends - lit_tables.low) * lit_tables.moments.x, lit_tables.moments.y, vec2i(0));
 }
 
 // The share of the back end in what a segment emits, and in its opacity.
 fn lit_tables_emission_moments(segment: Segment) -> vec4f {
     let ends = vec2f(segment.front.scalar, segment.back.scalar);
-    return between_entries(emission_moments_table, (ends - lit_tables.low) * lit_tables.moments.x, lit_tables.moments.y, 0u);
+    return between_entries(emission_moments_table, (ends - lit_tables.low) * lit_tables.moments.x, lit_tables.moments.y, vec2i(0));
 }
 
 // What a segment makes of light, of what a whole one of a table's length makes: both are seen through their own depth.

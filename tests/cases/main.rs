@@ -25,6 +25,7 @@ mod reflections;
 mod refraction;
 mod refraction_behind;
 mod refraction_media;
+mod segment_files;
 mod segments;
 mod snapshots;
 mod sweep;

@@ -1,16 +1,16 @@
-//! Segmented volumes: where labels are cut, what they mean, and what is refused.
+//! Segmented volumes: where labels are cut, what they mean, and the order of the error.
 
 use glam::DVec3;
 use volgraph::{Picture, View};
 use volgraph_tests::{STAGES, Stage, adapters, box_interval, ray, render};
 
-const CAMERAS: [&str; 2] = [
+pub(super) const CAMERAS: [&str; 2] = [
     "orbit(azimuth: 33, elevation: 21, fov_y: 40)",
     "orbit(azimuth: 33, elevation: 21, projection: orthographic)",
 ];
 
 /// A graph of a volume with labels; `more` are further fields of the node `image`'s `params`.
-fn graph(spacing: &str, camera: &str, slots: &str, more: &str) -> String {
+pub(super) fn graph(spacing: &str, camera: &str, slots: &str, more: &str) -> String {
     format!(
         r#"(
     sources: {{
@@ -31,14 +31,14 @@ fn graph(spacing: &str, camera: &str, slots: &str, more: &str) -> String {
     )
 }
 
-fn transfer(color: &str, extinction: f64) -> String {
+pub(super) fn transfer(color: &str, extinction: f64) -> String {
     format!(
         "(domain: data(from: 0, to: 1), reference_length: (world: 1), color: {color}, extinction: [(0.0, {extinction:?})])"
     )
 }
 
 /// The volume is 0.5 everywhere; labels are a function of the voxel.
-fn stage(labels: impl Fn(u32, u32, u32) -> u32, segments: &str) -> Stage {
+pub(super) fn stage(labels: impl Fn(u32, u32, u32) -> u32, segments: &str) -> Stage {
     Stage::new()
         .with_floats("v", [8, 8, 8], |_, _, _| 0.5)
         .with_floats("l", [8, 8, 8], |x, y, z| labels(x, y, z) as f32)
@@ -110,7 +110,8 @@ fn two_materials(from: DVec3, to: DVec3, side: impl Fn(DVec3) -> f64) -> [f64; 4
     ])
 }
 
-const BLUE_IS_1: &str = r#"(segments: [(label: 1, name: "blue", transfer: "blue.ron")])"#;
+pub(super) const BLUE_IS_1: &str =
+    r#"(segments: [(label: 1, name: "blue", transfer: "blue.ron")])"#;
 
 #[test]
 fn two_materials_meet_between_voxels_whatever_the_step() {
@@ -381,97 +382,6 @@ fn two_hundred_and_fifty_five_labels_each_absorb_as_they_say() {
             }
         }
         assert!(worst < 1e-4, "{backend}: {worst}");
-    }
-}
-
-#[test]
-fn what_is_no_label_and_no_segment_is_told_at_its_place() {
-    let told = |stage: &Stage| -> Vec<(String, u32)> {
-        let backend = &adapters()[0];
-        let findings = stage.open("graph.ron", &[], backend, [8, 8]).err().unwrap();
-        findings
-            .sorted()
-            .into_iter()
-            .map(|it| {
-                (
-                    it.code.to_owned(),
-                    it.place.as_ref().map_or(0, |place| place.line),
-                )
-            })
-            .collect()
-    };
-    let has = |told: &[(String, u32)], code: &str, line: u32| {
-        assert!(
-            told.contains(&(code.to_owned(), line)),
-            "{code}:{line} in {told:?}"
-        );
-    };
-    let graph = graph("(1, 1, 1)", CAMERAS[0], "", "");
-    let found = told(&stage(|x, _, _| x * 50, BLUE_IS_1).with("graph.ron", &graph));
-    assert_eq!(found[0].0, "bad-labels");
-    let bad = "(\n segments: [\n  (label: 256),\n  (label: 1, trnsfer: \"a.ron\"),\n  (label: 1),\n  (name: \"x\"),\n  (label: 2, transfer: \"none.ron\"),\n ],\n)";
-    let found = told(&stage(|_, _, _| 1, bad).with("graph.ron", &graph));
-    for (code, line) in [
-        ("out-of-range", 3),
-        ("unknown-field", 4),
-        ("duplicate", 5),
-        ("missing-field", 6),
-        ("io", 0),
-    ] {
-        has(&found, code, line);
-    }
-    let bad = "(\n segments: [\n  (label: 1, params: {\n \"stepp\": 1 }),\n  (label: 2, params: {\n \"step\": 1000 }),\n  (label: 3, params: {\n \"table_size\": 2048 })])";
-    let found = told(&stage(|_, _, _| 1, bad).with("graph.ron", &graph));
-    for (code, line) in [("unknown-param", 4), ("bad-param", 6), ("unknown-param", 8)] {
-        has(&found, code, line);
-    }
-    let without = graph.replace(r#""transfer": "colors", "#, "");
-    let found = told(&stage(|_, _, _| 1, "(segments: [(label: 1)])").with("graph.ron", &without));
-    assert_eq!(found[0].0, "missing-input");
-    let many: String = (1..9)
-        .map(|i| format!("(label: {i}, transfer: \"m{i}.ron\"), "))
-        .collect();
-    let mut crowd = stage(|_, _, _| 1, &format!("(segments: [{many}])")).with(
-        "graph.ron",
-        graph
-            .replace(
-                r#""labels": "volume", "#,
-                r#""labels": "volume", "classify": "preintegrated_2d""#,
-            )
-            .replace(
-                r#""early_termination": 0.0, "#,
-                r#""preintegration_size": 4096"#,
-            ),
-    );
-    for i in 1..9 {
-        crowd = crowd.with(&format!("m{i}.ron"), transfer("(1, 1, 1)", f64::from(i)));
-    }
-    assert_eq!(told(&crowd)[0].0, "over-limit");
-}
-
-#[test]
-fn a_graph_without_labels_has_none_of_this() {
-    let stage = stage(|_, _, _| 1, BLUE_IS_1).with(
-        "graph.ron",
-        graph("(1, 1, 1)", CAMERAS[0], "", "").replace(r#""labels": "volume", "#, ""),
-    );
-    let session = stage
-        .open("graph.ron", &[], &adapters()[0], [8, 8])
-        .unwrap();
-    let nodes = session.plan().nodes();
-    assert!(nodes.iter().all(|node| node.kind != "label_texture"));
-    let image = nodes.iter().find(|node| node.name == "image").unwrap();
-    for bindings in image.entries.values() {
-        for binding in bindings {
-            let of_labels = [
-                "params_table",
-                "transfers",
-                "transfer_tables",
-                "segmentation",
-                "label_texture",
-            ];
-            assert!(!of_labels.contains(&binding.name.as_str()), "{binding:?}");
-        }
     }
 }
 

@@ -12,7 +12,12 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use volgraph_graph::{Folders, is_embedded};
 use volgraph_report::{Finding, Findings};
-use volgraph_shader::ParamValue;
+use volgraph_shader::{ParamSpec, ParamValue};
+
+/// The field that names a source's file.
+fn path_param() -> ParamSpec {
+    ParamSpec::text("path", "", "The file, relative to the graph file.")
+}
 
 /// The given fields of a source, already checked against its kind's specs.
 struct Given<'a>(&'a BTreeMap<String, ParamValue>);

@@ -3,25 +3,20 @@
 // by a leapfrog scheme: order 2 in the step. Where n does not change, rays stay straight. The faces of the box and of
 // cuts bend nothing: the medium is thought to go on beyond them.
 #import "lib/beyond.wgsl"
-#import "lib/ray.wgsl"
+#import "lib/compositing.wgsl"
 #import "lib/refraction.wgsl"
 #import slot "classify"
 #import slot "gradient"
 #import slot "light"
 
 struct Params {
-    /// A ray ends where less than this share of the light behind could still reach the eye: a bound on the error.
-    /// 0 never ends early. @default 0.000244140625 @range 0 0.5
-    early_termination: f32,
     /// A ray ends after such a way through the volume, in diagonals of its box: media can trap rays for ever.
     /// @default 4 @range 1 64
     longest_way: f32,
 }
 
 struct TechniqueState {
-    color: vec3f,
-    transmittance: f32,
-    depth: f32,
+    composite: Composite,
     // World distance from the origin where the ray ends, wherever it is.
     limit: f32,
     // World distance from the origin up to which the ray has been looked at.
@@ -32,7 +27,7 @@ struct TechniqueState {
 
 fn technique_begin(ray: Ray) -> TechniqueState {
     let limit = ray.near + params.longest_way * 2.0 * volume.radius;
-    return TechniqueState(vec3f(0.0), 1.0, RAY_NO_DEPTH, limit, -RAY_NO_DEPTH, 0.0);
+    return TechniqueState(compositing_begin(), limit, -RAY_NO_DEPTH, 0.0);
 }
 
 fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ray>, segment: Segment) -> bool {
@@ -46,8 +41,8 @@ fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ra
         var distance = 0.0;
         var before = 0.0;
         if node == 1u {
-            technique_absorb(state, *ray, segment);
-            if (*state).transmittance < params.early_termination || (*ray).near + end > (*state).limit {
+            (*state).composite = technique_absorb((*state).composite, *ray, segment);
+            if compositing_is_done((*state).composite) || (*ray).near + end > (*state).limit {
                 return true;
             }
             at = segment.back;
@@ -67,19 +62,13 @@ fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ra
     return false;
 }
 
-fn technique_absorb(state: ptr<function, TechniqueState>, ray: Ray, segment: Segment) {
+fn technique_absorb(before: Composite, ray: Ray, segment: Segment) -> Composite {
     let classified = classify_segment(ray, segment);
-    let before = (*state).transmittance;
-    let after = before * classified.transmittance;
-    if classified.transmittance < 1.0 {
-        (*state).color += before * light_segment(classified, segment, ray);
-        if before > 0.5 && after <= 0.5 {
-            // Inside the segment the extinction is taken as constant.
-            let part = log(2.0 * before) / -log(max(classified.transmittance, 1.0e-30));
-            (*state).depth = ray.near + segment.start + segment.length * clamp(part, 0.0, 1.0);
-        }
+    if classified.transmittance >= 1.0 {
+        return before;
     }
-    (*state).transmittance = after;
+    let color = light_segment(classified, segment, ray);
+    return compositing_segment(before, ray, segment, color, classified.transmittance);
 }
 
 // Bends the ray at a sample by what the gradient of n there does over two world lengths, half of the segment before and
@@ -111,10 +100,9 @@ fn technique_bend(
 }
 
 fn technique_finish(state: TechniqueState, ray: Ray) -> RayResult {
-    let opacity = 1.0 - state.transmittance;
-    if ray.bends == 0u {
-        return RayResult(vec4f(state.color, opacity), state.depth);
+    var result = compositing_result(state.composite);
+    if ray.bends > 0u {
+        result.color += state.composite.transmittance * beyond_color(ray_world(ray, 0.0), ray.direction);
     }
-    let beyond = beyond_color(ray_world(ray, 0.0), ray.direction);
-    return RayResult(vec4f(state.color, opacity) + state.transmittance * beyond, state.depth);
+    return result;
 }

@@ -1,4 +1,5 @@
 // Which tables of transfer functions are read: those of the row that was selected last.
+#import "lib/between.wgsl"
 #import "lib/transfer_row.wgsl"
 
 struct TransferRow {
@@ -27,9 +28,9 @@ fn transfer_entry(place: f32) -> vec4f {
     return textureSampleLevel(transfer_tables, nearest_sampler, vec2f(place, transfer_place), 0.0);
 }
 
-// An entry of the pre-integrated table.
-fn transfer_cell(at: vec2i) -> vec4f {
-    return textureLoad(preintegration_tables, at + transfer_tile, 0);
+// The pre-integrated table at a place between its entries.
+fn transfer_entries(place: vec2f) -> vec4f {
+    return between_entries(preintegration_tables, place, transfer.preintegration_last, transfer_tile);
 }
 
 // Makes the tables those of a row.

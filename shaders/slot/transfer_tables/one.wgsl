@@ -1,4 +1,5 @@
 // Which tables of transfer functions are read: those of one.
+#import "lib/between.wgsl"
 #import "lib/transfer_row.wgsl"
 
 @group(2) @binding(0) var<uniform> transfer: Transfer;
@@ -12,9 +13,9 @@ fn transfer_entry(place: f32) -> vec4f {
     return textureSampleLevel(transfer_table, nearest_sampler, vec2f(place, 0.5), 0.0);
 }
 
-// An entry of the pre-integrated table.
-fn transfer_cell(at: vec2i) -> vec4f {
-    return textureLoad(preintegration_table, at, 0);
+// The pre-integrated table at a place between its entries.
+fn transfer_entries(place: vec2f) -> vec4f {
+    return between_entries(preintegration_table, place, transfer.preintegration_last, vec2i(0));
 }
 
 // Makes the tables those of a row.

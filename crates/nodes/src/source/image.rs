@@ -10,7 +10,7 @@ use volgraph_picture::Picture;
 use volgraph_report::{Finding, Findings, Place};
 use volgraph_shader::{ParamSpec, ParamValue};
 
-use super::Given;
+use super::{Given, path_param};
 
 /// The source kind `image`.
 pub struct ImageKind;
@@ -38,11 +38,7 @@ impl SourceKind for ImageKind {
     }
 
     fn params(&self) -> Vec<ParamSpec> {
-        vec![ParamSpec::text(
-            "path",
-            "",
-            "The file, relative to the graph file.",
-        )]
+        vec![path_param()]
     }
 
     fn load(

@@ -30,7 +30,7 @@ use volgraph_report::ron_text::{Document, Fields, Value};
 use volgraph_report::{Finding, Findings, Place};
 use volgraph_shader::{ParamSpec, ParamValue};
 
-use super::Given;
+use super::{Given, path_param};
 
 /// The source kind `segments`.
 pub struct SegmentsKind;
@@ -123,11 +123,7 @@ impl SourceKind for SegmentsKind {
     }
 
     fn params(&self) -> Vec<ParamSpec> {
-        vec![ParamSpec::text(
-            "path",
-            "",
-            "The file, relative to the graph file.",
-        )]
+        vec![path_param()]
     }
 
     fn load(

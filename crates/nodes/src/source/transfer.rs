@@ -10,7 +10,7 @@ use volgraph_optics::TransferFunction;
 use volgraph_report::Findings;
 use volgraph_shader::{ParamSpec, ParamValue};
 
-use super::Given;
+use super::{Given, path_param};
 
 /// The source kind `transfer`.
 pub struct TransferKind;
@@ -37,11 +37,7 @@ impl SourceKind for TransferKind {
     }
 
     fn params(&self) -> Vec<ParamSpec> {
-        vec![ParamSpec::text(
-            "path",
-            "",
-            "The file, relative to the graph file.",
-        )]
+        vec![path_param()]
     }
 
     fn load(
