@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     fn matter() -> Matter {
-        let text = r#"(domain: data, range: (0, 1), points: [
+        let text = r#"(domain: data, points: [
             (at: 0, color: (1, 1, 1), opacity: 0), (at: 0.5, color: (1, 1, 1), opacity: 0.5),
             (at: 1, color: (1, 1, 1), opacity: 1)])"#;
         let transfer = TransferFunction::parse("matter.ron".as_ref(), text).unwrap();
