@@ -322,7 +322,7 @@ fn the_last_short_segment_is_right_to_a_higher_order() {
 #[test]
 fn a_bend_that_tells_nothing_is_not_trusted() {
     // A segment from 0 to 0.1 by way of 1, and a peak in between: the straight run is ten times as long in it as the bent
-    // one. Without the rule, the depth would be negative.
+    // one. Without the rule its depth would be negative, and nothing of it drawn.
     let text = "(domain: data(from: 0, to: 1), color: (1, 0.5, 0),
         extinction: [(0.04, 0), (0.05, 3), (0.06, 0)])";
     let transfer = parse(text);
@@ -348,6 +348,11 @@ fn a_bend_that_tells_nothing_is_not_trusted() {
                 found.iter().all(|(seen, _)| is_inside(seen)),
                 "{backend} {choice}: {:?}",
                 found[0]
+            );
+            // The segment is seen at all.
+            assert!(
+                found.iter().all(|(seen, _)| seen[3] > 0.05),
+                "{backend} {choice}"
             );
             worst(&found)
         };
