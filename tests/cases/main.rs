@@ -21,6 +21,7 @@ mod materials;
 mod memory_of_work;
 mod plans;
 mod projections;
+mod quadratures;
 mod rebuilds;
 mod reflections;
 mod refraction;
