@@ -13,6 +13,7 @@
 
 mod cells;
 mod lit;
+mod piece;
 #[cfg(test)]
 mod tests;
 
@@ -25,10 +26,10 @@ use crate::{OpticsError, TransferFunction, opacity_from_extinction};
 
 /// Colour and optical depth of segments of one length, for each pair of scalars at their ends.
 ///
-/// Against float64 quadrature, with colours of 0 to 1 and segments of up to 6 reference lengths, the error of an
-/// entry's colour is below 1e-5 at 1024 entries a side and falls with the square of their number, also for narrow
-/// peaks and across steps; the depth is right to f32's precision. Where the extinction goes from nothing to opaque
-/// within one cell, entries that are few cells apart can be off by up to 1e-3.
+/// Each entry agrees with a float64 quadrature within 1e-6 in colours of 0 to 1 (and in proportion to larger ones), and
+/// in its depth within 1e-6 of the larger of 1 and the depth: at any number of entries, for segments of up to 32
+/// reference lengths, across steps, narrow peaks and where the extinction goes from nothing to opaque between two
+/// entries. What lies between entries is the reader's to interpolate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PreintegratedTable {
     /// Entries a side, `n`; entry `i` stands for the scalar `lo + i / (n - 1) · (hi - lo)`.
@@ -135,7 +136,7 @@ fn over<const N: usize>(front: [f64; N], transmittance: f64, back: [f64; N]) -> 
 type Pair = ([f32; 4], [f32; 4]);
 
 fn build(transfer: &TransferFunction, n: u32, segment_length: f64) -> PreintegratedTable {
-    let cells = Cells::integrate(transfer, n);
+    let cells = Cells::integrate(transfer, n, segment_length);
     let constant = |i| {
         let s = node(transfer.range(), n, i);
         let depth = transfer.extinction(s) * segment_length;
