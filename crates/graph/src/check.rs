@@ -271,9 +271,10 @@ fn dimension(ty: PortType) -> Option<TextureDim> {
         | PortType::Table2d
         | PortType::ImageTexture
         | PortType::LightGrid => Some(TextureDim::D2),
-        PortType::VolumeTexture | PortType::GradientTexture | PortType::LabelTexture => {
-            Some(TextureDim::D3)
-        }
+        PortType::Table3d
+        | PortType::VolumeTexture
+        | PortType::GradientTexture
+        | PortType::LabelTexture => Some(TextureDim::D3),
         PortType::Volume
         | PortType::Transfer
         | PortType::Image

@@ -225,6 +225,7 @@ fn is_texture(ty: crate::PortType) -> bool {
             | P::Vector2d
             | P::Table1d
             | P::Table2d
+            | P::Table3d
             | P::VolumeTexture
             | P::GradientTexture
             | P::LabelTexture

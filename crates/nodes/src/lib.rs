@@ -16,6 +16,7 @@ pub mod lit_preintegration;
 pub mod material_table;
 pub mod placement;
 pub mod preintegration;
+pub mod preintegration_3d;
 pub mod proxy_box;
 pub mod raycast;
 pub mod refraction_table;
@@ -44,6 +45,7 @@ pub fn registry() -> Registry {
         .add_node(gradient::Gradient)
         .add_node(transfer_table::TransferTable)
         .add_node(preintegration::Preintegration)
+        .add_node(preintegration_3d::Preintegration3d)
         .add_node(refraction_table::RefractionTable)
         .add_node(material_table::MaterialTable)
         .add_node(lit_preintegration::LitPreintegration::Material)

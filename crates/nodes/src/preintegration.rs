@@ -73,7 +73,7 @@ pub(crate) fn segment_references(
 }
 
 /// Most bytes of all tables of a node together.
-const MAX_BYTES: u64 = 1 << 30;
+pub(crate) const MAX_BYTES: u64 = 1 << 30;
 
 /// Columns and rows of tables in the texture. One column is enough while the texture is not too high for it.
 #[must_use]

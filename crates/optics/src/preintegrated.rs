@@ -9,8 +9,9 @@
 //! The values of one `d` do not depend on any other, so the number of threads changes nothing.
 //!
 //! [`lit`] has the tables for materials and for light that changes along the segment; they are other composites of
-//! the same windows.
+//! the same windows. [`by_length`] has the table for all lengths, of the same windows again.
 
+mod by_length;
 mod cells;
 mod lit;
 mod piece;
@@ -19,6 +20,7 @@ mod tests;
 
 use rayon::prelude::*;
 
+pub use self::by_length::PreintegratedTable3d;
 use self::cells::Cells;
 pub use self::lit::{PreintegratedMaterial, PreintegratedMoments};
 use crate::post::node;
@@ -136,7 +138,7 @@ fn over<const N: usize>(front: [f64; N], transmittance: f64, back: [f64; N]) -> 
 type Pair = ([f32; 4], [f32; 4]);
 
 fn build(transfer: &TransferFunction, n: u32, segment_length: f64) -> PreintegratedTable {
-    let cells = Cells::integrate(transfer, n, segment_length);
+    let cells = Cells::integrate(transfer, n, segment_length, 0.0);
     let constant = |i| {
         let s = node(transfer.range(), n, i);
         let depth = transfer.extinction(s) * segment_length;

@@ -138,6 +138,22 @@ pub(super) const INPUTS: &[InputPort] = &[
         doc: "The transfer function integrated over segments.",
     },
     InputPort {
+        name: "preintegration_3d_table",
+        ty: PortType::Table3d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "preintegration_3d",
+            inputs: &[("transfer", "transfer"), ("volume", "volume")],
+            params: &[
+                ("step", "step"),
+                ("preintegration_3d_size", "preintegration_3d_size"),
+                ("preintegration_3d_layers", "preintegration_3d_layers"),
+                ("preintegration_3d_longest", "preintegration_3d_longest"),
+            ],
+            slots: &[],
+        }),
+        doc: "The transfer function integrated over segments of all lengths.",
+    },
+    InputPort {
         name: "label_texture",
         ty: PortType::LabelTexture,
         requirement: Requirement::Demanded(Demand {

@@ -41,14 +41,14 @@ pub(super) struct Cells<P> {
 }
 
 impl Cells<Piece<3>> {
-    /// Good for cells of up to `longest` reference lengths.
-    pub(super) fn integrate(transfer: &TransferFunction, n: u32, longest: f64) -> Self {
+    /// Good for cells of up to `longest` reference lengths; with so much `more` extinction everywhere, next to nothing.
+    pub(super) fn integrate(transfer: &TransferFunction, n: u32, longest: f64, more: f64) -> Self {
         let piece = |from, to, share| {
             let (low, high) = transfer.color.curve.over(from, to);
             let change: [f64; 3] = std::array::from_fn(|i| high[i] - low[i]);
             let color = |t: f64| (std::array::from_fn(|i| low[i] + t * change[i]), change);
             let profile = Profile::over(&transfer.absorption, from, to);
-            Piece::new(profile, share, longest, color)
+            Piece::new(profile, share, longest, color).with_extinction(more)
         };
         Self::of_pieces(transfer, n, &transfer.knots(), piece)
     }

@@ -46,6 +46,15 @@ impl<const N: usize> Piece<N> {
         whole.part(0.0, 1.0, 0)
     }
 
+    /// With more extinction per reference length, evenly: so little that it hides nothing of the piece itself.
+    pub(super) fn with_extinction(mut self, more: f64) -> Self {
+        if let Some(halves) = self.halves {
+            self.halves = Some(Box::new(halves.map(|half| half.with_extinction(more))));
+        }
+        self.extinction += more;
+        self
+    }
+
     /// Where its cell is `length` reference lengths long.
     pub(super) fn stretch(&self, length: f64) -> Stretch<N> {
         if let (true, Some(halves)) = (length > self.longest, &self.halves) {

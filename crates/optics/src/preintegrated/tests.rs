@@ -3,6 +3,7 @@ use std::path::Path;
 use super::*;
 
 mod adaptive;
+mod by_length;
 mod lit;
 
 fn transfer(text: &str) -> TransferFunction {
@@ -253,7 +254,7 @@ fn small_and_odd_sizes_are_the_same_composites() {
     for n in [2, 3, 4, 5, 7, 12, 13, 65] {
         let table = build(&steps, n, 2.0);
         assert_eq!(table.entries.len(), (n * n) as usize);
-        let cells = Cells::integrate(&steps, n, 2.0);
+        let cells = Cells::integrate(&steps, n, 2.0, 0.0);
         for front in 0..n {
             for back in front + 1..n {
                 let cell_length = 2.0 / f64::from(back - front);
