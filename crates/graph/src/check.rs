@@ -269,6 +269,7 @@ fn dimension(ty: PortType) -> Option<TextureDim> {
         | PortType::Scalar2d
         | PortType::Vector2d
         | PortType::Table2d
+        | PortType::Pieces
         | PortType::ImageTexture
         | PortType::LightGrid => Some(TextureDim::D2),
         PortType::Table3d

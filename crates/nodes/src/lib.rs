@@ -17,6 +17,7 @@ pub mod material_table;
 pub mod placement;
 pub mod preintegration;
 pub mod preintegration_3d;
+pub mod preintegration_pieces;
 pub mod proxy_box;
 pub mod raycast;
 pub mod refraction_table;
@@ -46,6 +47,7 @@ pub fn registry() -> Registry {
         .add_node(transfer_table::TransferTable)
         .add_node(preintegration::Preintegration)
         .add_node(preintegration_3d::Preintegration3d)
+        .add_node(preintegration_pieces::PreintegrationPieces)
         .add_node(refraction_table::RefractionTable)
         .add_node(material_table::MaterialTable)
         .add_node(lit_preintegration::LitPreintegration::Material)

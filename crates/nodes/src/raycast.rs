@@ -84,6 +84,7 @@ impl NodeKind for Raycast {
             clip_volume::storage_param(),
             transfer_table::size_param(),
             preintegration::size_param(),
+            preintegration::built_on_param(),
             label_boundary,
             label_placement,
         ]

@@ -26,6 +26,7 @@ pub use material::Material;
 pub use post::PostTable;
 pub use preintegrated::{
     PreintegratedMaterial, PreintegratedMoments, PreintegratedTable, PreintegratedTable3d,
+    PreintegrationPiece, PreintegrationPieces,
 };
 pub use transfer::{
     Domain, MAX_EXTINCTION_FROM_OPACITY, ReferenceLength, TransferFunction,

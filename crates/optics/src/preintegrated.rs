@@ -13,6 +13,7 @@
 
 mod by_length;
 mod cells;
+mod flat;
 mod lit;
 mod piece;
 #[cfg(test)]
@@ -22,6 +23,7 @@ use rayon::prelude::*;
 
 pub use self::by_length::PreintegratedTable3d;
 use self::cells::Cells;
+pub use self::flat::{PreintegrationPiece, PreintegrationPieces};
 pub use self::lit::{PreintegratedMaterial, PreintegratedMoments};
 use crate::post::node;
 use crate::{OpticsError, TransferFunction, opacity_from_extinction};

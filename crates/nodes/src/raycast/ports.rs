@@ -3,7 +3,7 @@
 use volgraph_graph::{Demand, InputPort, OutputPort, PortType, Requirement, SlotSpec};
 
 use crate::lit_preintegration::{self, LitPreintegration};
-use crate::material_table;
+use crate::{material_table, preintegration};
 
 pub(super) const INPUTS: &[InputPort] = &[
     InputPort {
@@ -129,10 +129,7 @@ pub(super) const INPUTS: &[InputPort] = &[
         requirement: Requirement::Demanded(Demand {
             kind: "preintegration",
             inputs: &[("transfer", "transfer"), ("volume", "volume")],
-            params: &[
-                ("step", "step"),
-                ("preintegration_size", "preintegration_size"),
-            ],
+            params: preintegration::DEMANDED_PARAMS,
             slots: &[],
         }),
         doc: "The transfer function integrated over segments.",
@@ -185,10 +182,7 @@ pub(super) const INPUTS: &[InputPort] = &[
                 ("segments", "segments"),
                 ("volume", "volume"),
             ],
-            params: &[
-                ("step", "step"),
-                ("preintegration_size", "preintegration_size"),
-            ],
+            params: preintegration::DEMANDED_PARAMS,
             slots: &[],
         }),
         doc: "The transfer functions of all labels integrated over segments.",

@@ -19,14 +19,14 @@ pub(super) struct Piece<const N: usize> {
     /// Its share of the cell's length.
     pub(super) share: f64,
     /// Mean extinction per reference length.
-    extinction: f64,
+    pub(super) extinction: f64,
     /// Of each channel, over the share `x` of the optical depth passed: `mean + slope (x - ½) + curve (x² - x + ⅙)`.
-    mean: [f64; N],
-    slope: [f64; N],
-    curve: [f64; N],
+    pub(super) mean: [f64; N],
+    pub(super) slope: [f64; N],
+    pub(super) curve: [f64; N],
     /// The length of the cell, in reference lengths, up to which that is good enough.
-    longest: f64,
-    halves: Option<Box<[Self; 2]>>,
+    pub(super) longest: f64,
+    pub(super) halves: Option<Box<[Self; 2]>>,
 }
 
 impl<const N: usize> Piece<N> {
