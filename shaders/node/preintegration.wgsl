@@ -139,18 +139,22 @@ fn preintegration_compute(@builtin(global_invocation_id) id: vec3u) {
         }
         return;
     }
-    // The cells that are in all windows.
-    var common = preintegration_empty();
-    for (var cell = start + PREINTEGRATION_WINDOWS - 1u; cell < start + cells; cell++) {
-        common = preintegration_then(common, preintegration_cell(table, cell, share));
+    // The cells that are in all windows, some at a time: a long sum of short terms would gather roundings.
+    var shared_cells = preintegration_empty();
+    for (var first = start + PREINTEGRATION_WINDOWS - 1u; first < start + cells; first += PREINTEGRATION_WINDOWS) {
+        var some = preintegration_empty();
+        for (var cell = first; cell < min(first + PREINTEGRATION_WINDOWS, start + cells); cell++) {
+            some = preintegration_then(some, preintegration_cell(table, cell, share));
+        }
+        shared_cells = preintegration_then(shared_cells, some);
     }
     // With those before them, from the last window to the first.
     var tails: array<PreintegrationStretch, PREINTEGRATION_WINDOWS>;
-    tails[PREINTEGRATION_WINDOWS - 1u] = common;
+    tails[PREINTEGRATION_WINDOWS - 1u] = shared_cells;
     for (var before = 1u; before < PREINTEGRATION_WINDOWS; before++) {
         let at = PREINTEGRATION_WINDOWS - 1u - before;
-        common = preintegration_before(preintegration_cell(table, start + at, share), common);
-        tails[at] = common;
+        shared_cells = preintegration_before(preintegration_cell(table, start + at, share), shared_cells);
+        tails[at] = shared_cells;
     }
     // And with those behind them.
     var head = preintegration_empty();

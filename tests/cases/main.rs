@@ -29,4 +29,5 @@ mod segment_files;
 mod segments;
 mod snapshots;
 mod sweep;
+mod tables;
 mod units;

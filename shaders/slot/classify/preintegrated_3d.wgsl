@@ -30,19 +30,31 @@ fn preintegrated_3d_layer(low: vec2f, part: vec2f, layer: f32) -> vec4f {
     return mix(near, far, part.y);
 }
 
-fn classify_segment(ray: Ray, segment: Segment) -> Classified {
+// A segment within the table, from entry to entry, of a world length.
+fn preintegrated_3d_between(inside: vec2f, length: f32) -> Classified {
     let table = preintegration_3d;
-    let ends = (vec2f(segment.front.scalar, segment.back.scalar) - table.low) * table.entries_per_scalar;
-    let inside = clamp(ends, vec2f(0.0), vec2f(table.last_entry));
     let low = min(floor(inside), vec2f(table.last_entry - 1.0));
     let part = inside - low;
-    let place = sqrt(clamp(segment.length / table.longest, 0.0, 1.0)) * table.last_layer;
+    let place = sqrt(clamp(length / table.longest, 0.0, 1.0)) * table.last_layer;
     let layer = min(floor(place), table.last_layer - 1.0);
     var entry = preintegrated_3d_layer(low, part, layer + 1.0);
     // Whole segments are at a layer, but for rounding.
     if place - layer < 0.9999 {
         entry = mix(preintegrated_3d_layer(low, part, layer), entry, place - layer);
     }
-    let transmittance = exp2(-entry.w * (segment.length * transfer.halvings_per_world));
+    let transmittance = exp2(-entry.w * (length * transfer.halvings_per_world));
     return Classified(entry.xyz * (1.0 - transmittance), transmittance);
+}
+
+fn classify_segment(ray: Ray, segment: Segment) -> Classified {
+    let table = preintegration_3d;
+    let ends = (vec2f(segment.front.scalar, segment.back.scalar) - table.low) * table.entries_per_scalar;
+    let inside = clamp(ends, vec2f(0.0), vec2f(table.last_entry));
+    if all(inside == ends) {
+        return preintegrated_3d_between(inside, segment.length);
+    }
+    let lengths = transfer_shares(ends, table.last_entry) * segment.length;
+    let before = preintegrated_3d_between(inside.xx, lengths.x);
+    let behind = preintegrated_3d_between(inside.yy, lengths.z);
+    return classified_behind(classified_behind(before, preintegrated_3d_between(inside, lengths.y)), behind);
 }
