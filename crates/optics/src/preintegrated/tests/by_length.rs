@@ -28,7 +28,7 @@ fn error(text: &str, longest: f64, layers: u32, shares: &[f64]) -> (f64, f64) {
     let table = transfer
         .preintegrated_table_3d(64, layers, longest)
         .unwrap();
-    let (mut worst, mut squares, mut count) = (0.0_f64, 0.0, 0.0);
+    let (mut worst, mut squares, mut count) = (0.0_f64, 0.0, 0.0_f64);
     for share in shares {
         let length = share * longest;
         let truth = transfer.preintegrated_table(64, length).unwrap();
@@ -45,7 +45,7 @@ fn error(text: &str, longest: f64, layers: u32, shares: &[f64]) -> (f64, f64) {
             }
         }
     }
-    (worst, (squares / count as f64).sqrt())
+    (worst, (squares / count).sqrt())
 }
 
 #[test]
