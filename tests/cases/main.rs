@@ -31,4 +31,5 @@ mod segment_files;
 mod segments;
 mod snapshots;
 mod sweep;
+mod tables;
 mod units;

@@ -37,7 +37,7 @@ impl TransferFunction {
     pub fn integral_table(&self, columns: u32) -> Result<IntegralTable, OpticsError> {
         PostTable::check_size(columns, "integral")?;
         let count = IntegralTable::cells(columns);
-        let cells = Cells::integrate(self, count + 1);
+        let cells = Cells::integrate(self, count + 1, 0.0, 0.0);
         let (lo, hi) = self.range();
         let beyond = |s: f64| {
             let extinction = self.extinction(s);
