@@ -18,6 +18,7 @@ pub mod placement;
 pub mod preintegration;
 pub mod proxy_box;
 pub mod raycast;
+pub mod reference;
 pub mod refraction_table;
 pub mod segmentation;
 pub mod source;
@@ -51,6 +52,7 @@ pub fn registry() -> Registry {
         .add_node(lit_preintegration::LitPreintegration::EmissionMoments)
         .add_node(image_texture::ImageTexture)
         .add_node(light_volume::LightVolume)
-        .add_node(false_color::FalseColor);
+        .add_node(false_color::FalseColor)
+        .add_node(reference::Reference);
     registry
 }
