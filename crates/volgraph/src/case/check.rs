@@ -58,13 +58,16 @@ impl Case {
                 ExpectationKind::Uniform {
                     within: Some(area), ..
                 } => findings.extend(self.outside(area.last, expectation)),
-                ExpectationKind::Rolled { quarters: 1 | 3, .. }
-                    if self.size[0] != self.size[1] =>
-                {
+                ExpectationKind::Rolled {
+                    quarters: 1 | 3, ..
+                } if self.size[0] != self.size[1] => {
                     findings.push(
-                        Finding::error("bad-value", "a picture that is turned by a quarter is square")
-                            .at(expectation.place.clone())
-                            .help("give the case a square `size`, or roll by `quarters: 2`"),
+                        Finding::error(
+                            "bad-value",
+                            "a picture that is turned by a quarter is square",
+                        )
+                        .at(expectation.place.clone())
+                        .help("give the case a square `size`, or roll by `quarters: 2`"),
                     );
                 }
                 _ => {}

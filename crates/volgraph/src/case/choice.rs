@@ -83,8 +83,12 @@ impl SlotUnderTest {
 /// The folder as one would name it from where the case is named: findings tell paths as users write them.
 fn shortest(folder: &Path, case: &Path) -> PathBuf {
     let near = case.ancestors().skip(1).find(|above| {
-        std::path::absolute(if above.as_os_str().is_empty() { Path::new(".") } else { above })
-            .is_ok_and(|above| above == folder)
+        std::path::absolute(if above.as_os_str().is_empty() {
+            Path::new(".")
+        } else {
+            above
+        })
+        .is_ok_and(|above| above == folder)
     });
     match near {
         Some(near) if near.as_os_str().is_empty() => PathBuf::from("."),

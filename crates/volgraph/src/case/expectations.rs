@@ -171,7 +171,11 @@ impl Reader<'_> {
                 let rmse = fields.read(findings, "rmse", positive);
                 let max = fields.read(findings, "max", positive);
                 if rmse.is_none() && max.is_none() && !findings.has_errors() {
-                    findings.push(missing(value, "rmse", "add `rmse: 1e-4`, `max: 1e-3` or both"));
+                    findings.push(missing(
+                        value,
+                        "rmse",
+                        "add `rmse: 1e-4`, `max: 1e-3` or both",
+                    ));
                 }
                 ExpectationKind::Reference { rmse, max }
             }
@@ -180,7 +184,10 @@ impl Reader<'_> {
                 let ratio = bound(fields, findings, "ratio", value);
                 let frames = fields.read(findings, "frames", |value| match value.u32()? {
                     frames @ 3..=MAX_FRAMES => Ok(frames),
-                    _ => Err(value.error("bad-value", format!("time 3 to {MAX_FRAMES} pairs of frames"))),
+                    _ => Err(value.error(
+                        "bad-value",
+                        format!("time 3 to {MAX_FRAMES} pairs of frames"),
+                    )),
                 });
                 ExpectationKind::NotSlower {
                     than,
@@ -215,9 +222,8 @@ impl Reader<'_> {
         let set = fields.take(sets);
         let is_own = |set: &Value<'_>| set.items().is_ok_and(|items| items.is_empty());
         if graph.is_none() && set.as_ref().is_none_or(is_own) {
-            let help = format!(
-                "give `graph: \"other.ron\"`, `{sets}: [\"node.param=value\"]` or both"
-            );
+            let help =
+                format!("give `graph: \"other.ron\"`, `{sets}: [\"node.param=value\"]` or both");
             findings.push(missing(value, sets, &help));
         }
         Other {
@@ -296,21 +302,35 @@ fn values(fields: &mut Fields<'_>, findings: &mut Findings) -> Values {
 
 /// A pixel, `(x, y)`.
 fn corner(value: &Value<'_>) -> Result<[u32; 2], Finding> {
-    let numbers: Vec<u32> = value.items()?.iter().map(Value::u32).collect::<Result<_, _>>()?;
+    let numbers: Vec<u32> = value
+        .items()?
+        .iter()
+        .map(Value::u32)
+        .collect::<Result<_, _>>()?;
     <[u32; 2]>::try_from(numbers).map_err(|_| {
         value
-            .error("bad-value", "a pixel is a column and a row, from the top left")
+            .error(
+                "bad-value",
+                "a pixel is a column and a row, from the top left",
+            )
             .help("write it as `(x, y)`, or `centre`")
     })
 }
 
 /// Two corners, `((x, y), (x, y))`.
 fn area(value: &Value<'_>) -> Result<Area, Finding> {
-    let corners: Vec<[u32; 2]> = value.items()?.iter().map(corner).collect::<Result<_, _>>()?;
+    let corners: Vec<[u32; 2]> = value
+        .items()?
+        .iter()
+        .map(corner)
+        .collect::<Result<_, _>>()?;
     match corners.as_slice() {
         &[first, last] if first[0] <= last[0] && first[1] <= last[1] => Ok(Area { first, last }),
         _ => Err(value
-            .error("bad-value", "an area is its top left and its bottom right pixel")
+            .error(
+                "bad-value",
+                "an area is its top left and its bottom right pixel",
+            )
             .help("write it as `((8, 8), (55, 55))`")),
     }
 }
@@ -347,7 +367,10 @@ fn max_except(
     value: &Value<'_>,
 ) -> Option<(f64, f64)> {
     let except = fields.read(findings, "except", share);
-    Some((bound(fields, findings, "max", value)?, except.unwrap_or(0.0)))
+    Some((
+        bound(fields, findings, "max", value)?,
+        except.unwrap_or(0.0),
+    ))
 }
 
 /// Node and parameter, `"image.step"`.
@@ -444,7 +467,11 @@ fn bound(
     value: &Value<'_>,
 ) -> Option<f64> {
     let Some(given) = fields.take(name) else {
-        let number = if name == "ratio" || name == "at_least" { "1.5" } else { "1e-4" };
+        let number = if name == "ratio" || name == "at_least" {
+            "1.5"
+        } else {
+            "1e-4"
+        };
         let help = format!("add `{name}: {number}` or another bound");
         findings.push(missing(value, name, &help));
         return None;

@@ -227,7 +227,10 @@ pub fn assert_folder_with(folder: impl AsRef<Path>, options: &RunOptions) {
                     }
                 }
             }
-            let looked_at = reports.iter().map(|report| report.outcomes().len()).sum::<usize>();
+            let looked_at = reports
+                .iter()
+                .map(|report| report.outcomes().len())
+                .sum::<usize>();
             if failed.is_empty() && looked_at == 0 {
                 failed += "nothing was looked at: no expectation is selected";
             }

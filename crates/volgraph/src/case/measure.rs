@@ -1,5 +1,8 @@
 //! Measures what an expectation speaks of.
 
+use std::path::Path;
+use std::sync::Arc;
+
 use volgraph_measure::{Comparison, MeasureError, compare, compare_without_flip};
 use volgraph_picture::SaveOptions;
 use volgraph_report::{Finding, Findings, Place};
@@ -33,7 +36,10 @@ impl Run<'_> {
             ExpectationKind::Pixel { at, values, max } => {
                 let own = self.own(point, &[])?;
                 let at = at.unwrap_or([own.picture.width / 2, own.picture.height / 2]);
-                let area = Area { first: at, last: at };
+                let area = Area {
+                    first: at,
+                    last: at,
+                };
                 self.values(&own, area, values, *max, expectation)
             }
             ExpectationKind::Uniform {
@@ -246,7 +252,10 @@ impl Run<'_> {
         let truth = self.truth(&request, expectation)?;
         let measured = measured(&own.picture, &truth, |comparison| {
             let (mut passed, mut figure, mut parts) = (true, None, Vec::new());
-            let figures = [("rmse", comparison.rmse, rmse), ("max", comparison.max.error, max)];
+            let figures = [
+                ("rmse", comparison.rmse, rmse),
+                ("max", comparison.max.error, max),
+            ];
             for (name, error, bound) in figures {
                 if let Some(bound) = bound {
                     parts.push(format!("{name} {error:.3e}, at most {bound:e}"));
@@ -267,11 +276,10 @@ impl Run<'_> {
         &mut self,
         request: &Request,
         expectation: &Expectation,
-    ) -> Result<std::sync::Arc<Picture>, Findings> {
-        let scene = self.renderer.scene(request)?;
+    ) -> Result<Arc<Picture>, Findings> {
         let (session, _) = self.renderer.session(request)?;
-        reference::picture(&scene, session.view())
-            .map(std::sync::Arc::new)
+        reference::picture(&session)
+            .map(Arc::new)
             .map_err(|findings| {
                 let place = || expectation.place.clone();
                 findings.into_iter().map(|it| it.or_at(place)).collect()
@@ -281,7 +289,7 @@ impl Run<'_> {
     fn stored_picture(
         &self,
         own: &Rendered,
-        file: &std::path::Path,
+        file: &Path,
         bound: PictureBound,
         expectation: &Expectation,
     ) -> Result<Measured, Findings> {
@@ -293,7 +301,7 @@ impl Run<'_> {
             )
         };
         if self.renderer.options.bless {
-            let folder = file.parent().unwrap_or(std::path::Path::new(""));
+            let folder = file.parent().unwrap_or(Path::new(""));
             let made = if folder.as_os_str().is_empty() {
                 Ok(())
             } else {
@@ -339,7 +347,7 @@ impl Run<'_> {
         };
         let stored = Shown {
             name: file.display().to_string(),
-            picture: std::sync::Arc::new(there),
+            picture: Arc::new(there),
         };
         Ok(measured.with([own.shown(), stored]))
     }
@@ -349,14 +357,19 @@ impl Run<'_> {
 fn moved(rendered: &Rendered, picture: Picture) -> Shown {
     Shown {
         name: format!("{}, turned back", rendered.name),
-        picture: std::sync::Arc::new(picture),
+        picture: Arc::new(picture),
     }
 }
 
 fn finite(own: &Rendered) -> Measured {
     let count = not_finite(&own.picture);
     let mut detail = format!("{count} pixels are not finite");
-    let hazards: Vec<String> = own.hazards.sorted().iter().map(|f| f.message.clone()).collect();
+    let hazards: Vec<String> = own
+        .hazards
+        .sorted()
+        .iter()
+        .map(|f| f.message.clone())
+        .collect();
     if !hazards.is_empty() {
         detail += &format!("; {}", hazards.join("; "));
     }
@@ -371,7 +384,10 @@ fn worst_of(pictures: &[Rendered], max: f64) -> Measured {
         for other in rest {
             let measured = at_most(first, other, max);
             let figure = |measured: &Measured| measured.figure.map_or(f64::INFINITY, |it| it.0);
-            if worst.as_ref().is_none_or(|worst| figure(&measured) > figure(worst)) {
+            if worst
+                .as_ref()
+                .is_none_or(|worst| figure(&measured) > figure(worst))
+            {
                 worst = Some(measured);
             }
         }

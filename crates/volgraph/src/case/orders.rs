@@ -99,7 +99,9 @@ impl Run<'_> {
             None => Measured::new(
                 false,
                 None,
-                format!("{errors}: no order can be told of errors that are those of f32; use `equals`"),
+                format!(
+                    "{errors}: no order can be told of errors that are those of f32; use `equals`"
+                ),
             ),
             Some(order) => {
                 let detail = format!("order {order:.2}, at least {at_least}; {errors}");
@@ -149,10 +151,15 @@ impl Run<'_> {
             }
         }
         let name = format!("{}.{}", param.node, param.name);
-        if pictures.windows(2).all(|pair| pair[0].picture.color == pair[1].picture.color) {
+        if pictures
+            .windows(2)
+            .all(|pair| pair[0].picture.color == pair[1].picture.color)
+        {
             // Nothing was tested: an empty picture, or a parameter that nothing reads.
             let detail = format!("`{name}` changes nothing in the picture");
-            return Ok(Err(Measured::new(false, None, detail).with(pictures.into_iter().take(1))));
+            return Ok(Err(
+                Measured::new(false, None, detail).with(pictures.into_iter().take(1))
+            ));
         }
         let curve = Curve { name, points };
         Ok(Ok(Series { pictures, curve }))

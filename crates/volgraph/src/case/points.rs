@@ -80,7 +80,10 @@ impl Case {
     /// The point with nothing swept, the first volume and the first camera.
     pub(super) fn own_point(&self) -> Point {
         let first = |is_empty: bool| (!is_empty).then_some(0);
-        let (volume, camera) = (first(self.volumes.is_empty()), first(self.cameras.is_empty()));
+        let (volume, camera) = (
+            first(self.volumes.is_empty()),
+            first(self.cameras.is_empty()),
+        );
         Point {
             set: Vec::new(),
             volume,
@@ -259,7 +262,11 @@ fn product_of(value: &Value<'_>) -> Result<Sweep, Findings> {
     for entry in value.entries()? {
         let items = findings.take(entry.value.items()).unwrap_or_default();
         if items.is_empty() && !findings.has_errors() {
-            findings.push(entry.value.error("bad-value", "there is nothing to sweep here"));
+            findings.push(
+                entry
+                    .value
+                    .error("bad-value", "there is nothing to sweep here"),
+            );
         }
         let mut axis = Vec::new();
         for item in items {
@@ -274,7 +281,9 @@ fn product_of(value: &Value<'_>) -> Result<Sweep, Findings> {
                 }),
                 Err(message) => {
                     let finding = Finding::error("bad-set", message).at(entry.name_place.clone());
-                    findings.push(finding.help("name it as `\"image.step\"` or `\"image.slots.classify\"`"));
+                    findings.push(
+                        finding.help("name it as `\"image.step\"` or `\"image.slots.classify\"`"),
+                    );
                     break;
                 }
             }

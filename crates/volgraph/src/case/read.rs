@@ -73,7 +73,13 @@ impl Case {
             .take("slot")
             .map(|value| slots(&value, &mut findings));
         let graph = fields.read(&mut findings, "graph", |value| reader.graph(value));
-        let graph = reader.scene(&mut fields, graph, slots.is_some(), &document, &mut findings);
+        let graph = reader.scene(
+            &mut fields,
+            graph,
+            slots.is_some(),
+            &document,
+            &mut findings,
+        );
         let set = fields
             .take("set")
             .map(|value| reader.sets(&value, &mut findings));
@@ -168,7 +174,11 @@ fn many<T>(
     let items = findings.take(value.items()).unwrap_or_default();
     if items.len() > MAX_STANDS {
         let message = format!("more than {MAX_STANDS} of them are refused");
-        findings.push(value.error("too-large", message).help("write several cases"));
+        findings.push(
+            value
+                .error("too-large", message)
+                .help("write several cases"),
+        );
         return Vec::new();
     }
     items
@@ -206,7 +216,10 @@ fn scene_named(name: &str, value: &Value<'_>) -> Result<&'static StockScene, Fin
     StockScene::named(name).ok_or_else(|| {
         value
             .error("unknown-scene", format!("no scene is named `{name}`"))
-            .help_opt(did_you_mean(name, STOCK_SCENES.iter().map(|scene| scene.name)))
+            .help_opt(did_you_mean(
+                name,
+                STOCK_SCENES.iter().map(|scene| scene.name),
+            ))
     })
 }
 

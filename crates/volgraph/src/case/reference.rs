@@ -1,16 +1,21 @@
-//! The float64 reference of a scene, as pictures to compare with.
+//! The float64 reference of what a session draws, as a picture to compare with.
 
-use volgraph_graph::View;
-use volgraph_report::{Finding, Findings};
+use volgraph_reference::Silent;
+use volgraph_report::Findings;
 
-use crate::{Picture, Scene};
+use crate::{Picture, Session, Truth, TruthOptions};
 
-/// The picture that a scene has in truth, seen so.
+/// Colours of the reference are this near to the truth: well below what f32 renderers reach.
+const TOLERANCE: f64 = 1e-7;
+
+/// The picture that a session draws, in truth.
 ///
 /// # Errors
-/// Where the reference does not know what the scene draws.
-pub(super) fn picture(_scene: &Scene, _view: &View) -> Result<Picture, Findings> {
-    Err(Finding::error("no-reference", "there is no float64 reference for this scene")
-        .help("use `order` without `against`, `equals` or `pixel`")
-        .into())
+/// `not-covered` where the reference does not compute what the graph draws.
+pub(super) fn picture(session: &Session) -> Result<Picture, Findings> {
+    let options = TruthOptions {
+        tolerance: TOLERANCE,
+        ..TruthOptions::default()
+    };
+    Truth::of(session.plan(), session.view(), &options, &Silent)?.picture()
 }

@@ -169,9 +169,7 @@ impl<'c> Renderer<'c> {
     }
 
     fn open(&mut self, request: &Request) -> Result<Session, Findings> {
-        let gpu = self
-            .devices
-            .get(self.options, request.adapter.as_deref())?;
+        let gpu = self.devices.get(self.options, request.adapter.as_deref())?;
         let scene = self.scene(request)?;
         let options = SessionOptions {
             adapter: self.options.adapter.clone(),
@@ -276,7 +274,9 @@ impl<'c> Renderer<'c> {
         match request.treatment {
             Treatment::None => {}
             Treatment::Mirrored(_) => parts.push("in the mirror".to_owned()),
-            Treatment::Rolled(quarters) => parts.push(format!("rolled by {} degrees", quarters * 90)),
+            Treatment::Rolled(quarters) => {
+                parts.push(format!("rolled by {} degrees", quarters * 90))
+            }
             Treatment::Stored(scalar) => parts.push(format!("stored as {}", scalar.name())),
         }
         parts.join(", ")

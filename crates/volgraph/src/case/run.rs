@@ -114,11 +114,7 @@ impl Case {
     }
 
     /// What is looked at: each expectation at all points, then those of `once`.
-    fn looked_at(
-        &self,
-        points: Vec<Point>,
-        options: &CaseOptions,
-    ) -> Vec<(Point, &Expectation)> {
+    fn looked_at(&self, points: Vec<Point>, options: &CaseOptions) -> Vec<(Point, &Expectation)> {
         let own = [self.own_point()];
         let swept = self.expect.iter().map(|it| (it, points.as_slice()));
         let once = self.once.iter().map(|it| (it, own.as_slice()));
@@ -198,7 +194,10 @@ impl Run<'_> {
             ExpectationKind::AdaptersAgree { .. } => {
                 let backends = backends();
                 (backends.len() < 2).then(|| {
-                    format!("this machine has one backend alone: {}", backends.join(", "))
+                    format!(
+                        "this machine has one backend alone: {}",
+                        backends.join(", ")
+                    )
                 })
             }
             _ => None,

@@ -132,15 +132,32 @@ mod tests {
         let middle = DVec3::new(1.0, 2.0, 3.0);
         for axis in [Axis::X, Axis::Y, Axis::Z] {
             let there = super::source(&source, axis, middle).unwrap();
-            let there = &there.as_any().downcast_ref::<VolumeSource>().unwrap().volume;
-            let here = &source.as_any().downcast_ref::<VolumeSource>().unwrap().volume;
+            let there = &there
+                .as_any()
+                .downcast_ref::<VolumeSource>()
+                .unwrap()
+                .volume;
+            let here = &source
+                .as_any()
+                .downcast_ref::<VolumeSource>()
+                .unwrap()
+                .volume;
             let mirror = mirror(axis, middle);
-            for (z, y, x) in (0..2).flat_map(|z| (0..4).flat_map(move |y| (0..3).map(move |x| (z, y, x)))) {
+            for (z, y, x) in
+                (0..2).flat_map(|z| (0..4).flat_map(move |y| (0..3).map(move |x| (z, y, x))))
+            {
                 let index = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
                 let world = mirror.transform_point3(grid.world_from_index.transform_point3(index));
-                let index = there.grid().world_from_index.inverse().transform_point3(world);
+                let index = there
+                    .grid()
+                    .world_from_index
+                    .inverse()
+                    .transform_point3(world);
                 let value = there.trilinear(index);
-                assert!((value - here.voxel([x, y, z])).abs() < 1e-9, "{axis:?} {value}");
+                assert!(
+                    (value - here.voxel([x, y, z])).abs() < 1e-9,
+                    "{axis:?} {value}"
+                );
             }
         }
     }
