@@ -172,9 +172,14 @@ fn tell(report: &CaseReport, is_json: bool) {
                         .iter()
                         .for_each(|it| output::print(it));
                 }
-                for outcome in same.iter().filter(|outcome| !outcome.findings.is_empty()) {
-                    output::report(&outcome.findings);
-                }
+            }
+            // What many expectations fail by is told once.
+            let findings: Findings = outcomes
+                .iter()
+                .flat_map(|outcome| outcome.findings.clone())
+                .collect();
+            if !findings.is_empty() {
+                output::report(&findings);
             }
         }
     }
