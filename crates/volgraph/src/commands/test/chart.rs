@@ -2,7 +2,7 @@
 
 use anyhow::anyhow;
 use plotters::prelude::{
-    ChartBuilder, Circle, IntoDrawingArea, IntoLogRange, LineSeries, RGBColor, SVGBackend, Text,
+    ChartBuilder, Circle, IntoDrawingArea, LineSeries, RGBColor, SVGBackend, Text,
 };
 use plotters::style::{Color, IntoFont};
 
@@ -37,31 +37,40 @@ pub fn svg(plot: &Plot<'_>) -> anyhow::Result<Option<String>> {
     Ok(Some(text))
 }
 
+/// A value of a parameter with three digits.
+fn short(value: f64) -> String {
+    let digits = (2.0 - value.abs().log10().floor()).clamp(0.0, 9.0);
+    let scale = 10_f64.powf(digits);
+    format!("{}", (value * scale).round() / scale)
+}
+
 fn draw(plot: &Plot<'_>, points: &[(f64, f64)], text: &mut String) -> Result<(), String> {
     let fail = |error: &dyn std::fmt::Display| error.to_string();
+    // Both axes are logarithmic: powers of two of what is halved along, powers of ten up.
+    let points: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.log2(), y.log10())).collect();
     let last = points
         .iter()
         .copied()
         .reduce(|a, b| if b.0 < a.0 { b } else { a })
-        .unwrap_or((1.0, 1.0));
+        .unwrap_or_default();
     let ends = |pick: fn(&(f64, f64)) -> f64| {
         let values = || points.iter().map(pick);
         (
             values().fold(f64::INFINITY, f64::min),
-            values().fold(0.0, f64::max),
+            values().fold(f64::NEG_INFINITY, f64::max),
         )
     };
     let (x, y) = (ends(|point| point.0), ends(|point| point.1));
-    let bound = plot.bound.filter(|bound| *bound > 0.0);
-    let low = bound.map_or(y.0, |bound| y.0.min(bound)) / 2.0;
-    let high = bound.map_or(y.1, |bound| y.1.max(bound)) * 2.0;
+    let bound = plot.bound.filter(|bound| *bound > 0.0).map(f64::log10);
+    let low = bound.map_or(y.0, |bound| y.0.min(bound)) - 0.3;
+    let high = bound.map_or(y.1, |bound| y.1.max(bound)) + 0.3;
     let area = SVGBackend::with_string(text, SIZE).into_drawing_area();
     let mut chart = ChartBuilder::on(&area)
         .margin(8)
         .margin_right(20)
         .x_label_area_size(34)
         .y_label_area_size(64)
-        .build_cartesian_2d((x.0 / 1.2..x.1 * 1.2).log_scale(), (low..high).log_scale())
+        .build_cartesian_2d(x.0 - 0.3..x.1 + 0.3, low..high)
         .map_err(|error| fail(&error))?;
     let style = ("sans-serif", 12).into_font().color(&INK);
     chart
@@ -73,21 +82,21 @@ fn draw(plot: &Plot<'_>, points: &[(f64, f64)], text: &mut String) -> Result<(),
         .y_desc(plot.y)
         .x_labels(6)
         .y_labels(6)
-        .x_label_formatter(&|value| format!("{}", (value * 1e6).round() / 1e6))
-        .y_label_formatter(&|value| format!("{value:.0e}"))
+        .x_label_formatter(&|value| short(value.exp2()))
+        .y_label_formatter(&|value| format!("{:.1e}", 10_f64.powf(*value)))
         .draw()
         .map_err(|error| fail(&error))?;
     if let Some(order) = plot.order {
         // Through the last point, as far as the chart goes.
-        let at = |x: f64| (x, last.1 * (x / last.0).powf(order));
+        let at = |x: f64| (x, last.1 + (x - last.0) * order * 2_f64.log10());
         let line = [at(x.0), at(x.1)];
         let line = line.into_iter().map(|(x, y)| (x, y.clamp(low, high)));
         let slope = LineSeries::new(line, SLOPE.stroke_width(1));
         chart.draw_series(slope).map_err(|error| fail(&error))?;
-        let (label_x, label_y) = at((x.0 * x.1).sqrt());
+        let (label_x, label_y) = at(0.5 * (x.0 + x.1));
         let label = Text::new(
             format!("order {order}"),
-            (label_x, (label_y / 1.8).clamp(low, high)),
+            (label_x, (label_y - 0.2).clamp(low, high)),
             ("sans-serif", 12).into_font().color(&SLOPE),
         );
         chart.draw_series([label]).map_err(|error| fail(&error))?;
