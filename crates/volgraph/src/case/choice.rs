@@ -22,11 +22,10 @@ impl Case {
             let file = slot.file();
             let holds = |folder: &&Path| folder.join(&file).is_file();
             let above = own.ancestors().skip(1).take(MAX_ABOVE).find(holds);
-            if let Some(folder) = above.map(|folder| shortest(folder, &self.file)) {
-                if !folders.own.contains(&folder) {
-                    folders.own.push(folder);
-                }
-            }
+            let above = above.map(|folder| shortest(folder, &self.file));
+            let is_new = |folder: &PathBuf| !folders.own.contains(folder);
+            let new = above.filter(is_new);
+            folders.own.extend(new);
         }
         folders
     }

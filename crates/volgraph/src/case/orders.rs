@@ -90,7 +90,7 @@ impl Run<'_> {
                 Some(self.truth(&request, &asking(&param.place))?)
             }
         };
-        let series = match self.series(point, param, from, halvings, truth)? {
+        let series = match self.series(point, param, from, halvings, truth.as_ref())? {
             Ok(series) => series,
             Err(measured) => return Ok(measured),
         };
@@ -120,7 +120,7 @@ impl Run<'_> {
         param: &Param,
         from: Option<f64>,
         halvings: u32,
-        truth: Option<Arc<Picture>>,
+        truth: Option<&Arc<Picture>>,
     ) -> Result<Result<Series, Measured>, Findings> {
         let Some(start) = from.or_else(|| self.value_of(param, point)) else {
             let message = format!(
@@ -142,7 +142,7 @@ impl Run<'_> {
         let mut points = Vec::new();
         for (at, shown) in pictures.iter().enumerate() {
             let next = pictures.get(at + 1).map(|next| &next.picture);
-            let Some(against) = truth.as_ref().or(next) else {
+            let Some(against) = truth.or(next) else {
                 break;
             };
             match compare_without_flip(&shown.picture, against) {

@@ -275,7 +275,7 @@ impl<'c> Renderer<'c> {
             Treatment::None => {}
             Treatment::Mirrored(_) => parts.push("in the mirror".to_owned()),
             Treatment::Rolled(quarters) => {
-                parts.push(format!("rolled by {} degrees", quarters * 90))
+                parts.push(format!("rolled by {} degrees", quarters * 90));
             }
             Treatment::Stored(scalar) => parts.push(format!("stored as {}", scalar.name())),
         }

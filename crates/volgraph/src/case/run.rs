@@ -84,7 +84,7 @@ impl Case {
             desc: read::graph(&self.graph.path, &text)?,
         };
         let mut outcomes = Vec::new();
-        for (point, expectation) in self.looked_at(points, options) {
+        for (point, expectation) in self.looked_at(&points, options) {
             outcomes.push(run.outcome(expectation, &point));
         }
         outcomes.extend(unswept.iter().filter_map(|param| {
@@ -106,7 +106,7 @@ impl Case {
     /// As [`points`](Self::points).
     pub fn names(&self, options: &CaseOptions) -> Result<Vec<String>, Findings> {
         let (points, _) = self.points(options)?;
-        let looked_at = self.looked_at(points, options);
+        let looked_at = self.looked_at(&points, options);
         Ok(looked_at
             .iter()
             .map(|(point, expectation)| name(&expectation.text, &point.name))
@@ -114,9 +114,9 @@ impl Case {
     }
 
     /// What is looked at: each expectation at all points, then those of `once`.
-    fn looked_at(&self, points: Vec<Point>, options: &CaseOptions) -> Vec<(Point, &Expectation)> {
+    fn looked_at(&self, points: &[Point], options: &CaseOptions) -> Vec<(Point, &Expectation)> {
         let own = [self.own_point()];
-        let swept = self.expect.iter().map(|it| (it, points.as_slice()));
+        let swept = self.expect.iter().map(|it| (it, points));
         let once = self.once.iter().map(|it| (it, own.as_slice()));
         swept
             .chain(once)

@@ -122,7 +122,7 @@ fn sound() -> Scratch {
 }
 
 /// The arguments that run what should find a break.
-fn args<'a>(filter: &'a str) -> [&'a str; 6] {
+fn args(filter: &str) -> [&str; 6] {
     [
         "test",
         "tests/shaders",
