@@ -29,6 +29,7 @@ mod refraction_behind;
 mod refraction_media;
 mod segment_files;
 mod segments;
+mod shader_cases;
 mod snapshots;
 mod sweep;
 mod tables;
