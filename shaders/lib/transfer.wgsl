@@ -6,11 +6,6 @@ fn transfer_at(scalar: f32) -> vec4f {
     return transfer_entry(scalar * transfer.entry_scale + transfer.entry_bias);
 }
 
-// Premultiplied colour and optical depth of a segment between two scalars, bilinear between table entries.
-fn transfer_between(front: f32, back: f32) -> vec4f {
-    return transfer_entries((vec2f(front, back) - transfer.low) * transfer.preintegration_per_scalar);
-}
-
 // As `transfer_at`, linear between two entries: the nearest one is a floor under errors of quadratures of order 4.
 fn transfer_linear(scalar: f32) -> vec4f {
     let place = (scalar * transfer.entry_scale + transfer.entry_bias) * transfer.entries - 0.5;
