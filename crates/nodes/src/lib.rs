@@ -11,6 +11,7 @@ pub mod false_color;
 pub mod gradient;
 pub mod image_texture;
 pub mod label_texture;
+pub mod legend;
 pub mod light_volume;
 pub mod lit_preintegration;
 pub mod material_table;
@@ -51,6 +52,7 @@ pub fn registry() -> Registry {
         .add_node(lit_preintegration::LitPreintegration::EmissionMoments)
         .add_node(image_texture::ImageTexture)
         .add_node(light_volume::LightVolume)
-        .add_node(false_color::FalseColor);
+        .add_node(false_color::FalseColor)
+        .add_node(legend::Legend);
     registry
 }
