@@ -5,11 +5,25 @@
 #import "lib/transfer.wgsl"
 
 fn classify_segment(ray: Ray, segment: Segment) -> Classified {
-    let entry = transfer_between(segment.front.scalar, segment.back.scalar);
+    let front = segment.front.scalar;
+    let back = segment.back.scalar;
+    if segment.length < 1.5 * transfer.preintegration_length {
+        return preintegrated_2d_piece(front, back, segment.length);
+    }
+    // A double one is two of the table's: the scalar runs linearly through both.
+    let middle = 0.5 * (front + back);
+    let near = preintegrated_2d_piece(front, middle, 0.5 * segment.length);
+    let far = preintegrated_2d_piece(middle, back, 0.5 * segment.length);
+    return Classified(near.color + near.transmittance * far.color, near.transmittance * far.transmittance);
+}
+
+// Between two scalars, over a world length.
+fn preintegrated_2d_piece(front: f32, back: f32, length: f32) -> Classified {
+    let entry = transfer_between(front, back);
     let transmittance = exp(-entry.w);
     // The table is made for segments of one length. The last one is shorter: its optical depth is in proportion, and
     // its colour is that of the whole segment seen through the shorter depth. So with a longer one.
-    let part = segment.length / transfer.preintegration_length;
+    let part = length / transfer.preintegration_length;
     if abs(part - 1.0) < 1.0e-4 {
         return Classified(entry.xyz, transmittance);
     }
