@@ -6,6 +6,7 @@
 
 pub mod background;
 pub(crate) mod clip_volume;
+pub mod difference;
 pub mod encoding;
 pub mod false_color;
 pub mod gradient;
@@ -19,6 +20,7 @@ pub mod placement;
 pub mod preintegration;
 pub mod proxy_box;
 pub mod raycast;
+pub mod reference;
 pub mod refraction_table;
 pub mod segmentation;
 pub mod source;
@@ -53,6 +55,8 @@ pub fn registry() -> Registry {
         .add_node(image_texture::ImageTexture)
         .add_node(light_volume::LightVolume)
         .add_node(false_color::FalseColor)
-        .add_node(legend::Legend);
+        .add_node(legend::Legend)
+        .add_node(difference::Difference)
+        .add_node(reference::Reference);
     registry
 }

@@ -114,6 +114,38 @@ pub struct TransferFunction {
     pub(crate) material: MaterialField,
 }
 
+/// A transfer function where it is smooth: between two neighbouring knots.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Smooth {
+    from: f64,
+    per_scalar: f64,
+    color: ([f64; 3], [f64; 3]),
+    absorption: (f64, f64),
+    is_opacity: bool,
+}
+
+impl Smooth {
+    /// Linear RGB and extinction per reference length of a scalar.
+    #[must_use]
+    pub fn at(&self, s: f64) -> ([f64; 3], f64) {
+        let w = ((s - self.from) * self.per_scalar).clamp(0.0, 1.0);
+        let (low, high) = &self.color;
+        let color = std::array::from_fn(|i| low[i] + w * (high[i] - low[i]));
+        let absorption = self.absorption.0 + w * (self.absorption.1 - self.absorption.0);
+        if self.is_opacity {
+            (color, extinction_from_opacity(absorption))
+        } else {
+            (color, absorption)
+        }
+    }
+
+    /// Whether nothing of it absorbs.
+    #[must_use]
+    pub fn is_clear(&self) -> bool {
+        self.absorption == (0.0, 0.0)
+    }
+}
+
 impl TransferFunction {
     /// Reads a text in the grammar of [`mod@crate::file`]; `file` is the name that findings carry.
     ///
@@ -201,6 +233,21 @@ impl TransferFunction {
     #[must_use]
     pub fn opacity(&self, s: f64) -> f64 {
         opacity_from_extinction(self.extinction(s))
+    }
+
+    /// Colour and extinction between two neighbours of [`knots`](Self::knots), or beyond the outermost: what a step at
+    /// either end is on the other side does not show.
+    #[must_use]
+    pub fn smooth(&self, from: f64, to: f64) -> Smooth {
+        let (color_from, color_to) = self.color.curve.over(from, to);
+        let ([absorption_from], [absorption_to]) = self.absorption.curve().over(from, to);
+        Smooth {
+            from,
+            per_scalar: if to > from { (to - from).recip() } else { 0.0 },
+            color: (color_from, color_to),
+            absorption: (absorption_from, absorption_to),
+            is_opacity: matches!(self.absorption, Absorption::Opacity(_)),
+        }
     }
 
     /// Refractive index of a scalar, 1 to 4; at a step the later point's. 1 where the file does not say.

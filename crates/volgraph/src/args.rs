@@ -1,5 +1,6 @@
 //! The arguments of all commands.
 
+mod accuracy;
 mod authors;
 
 use std::path::PathBuf;
@@ -8,6 +9,7 @@ use clap::{Args as ClapArgs, Parser, Subcommand};
 use volgraph::{AdapterChoice, CameraDesc, Overrides, ParamOverride, ShaderFolders};
 use volgraph_volume::ScalarType;
 
+pub use accuracy::ReferenceArgs;
 pub use authors::{GalleryArgs, GraphsArgs, NewArgs, NewSlot, TestArgs};
 
 /// Draws volumes with WGSL shaders that plug into a render graph, and says how wrong each picture is.
@@ -24,6 +26,8 @@ pub struct Args {
 pub enum Command {
     /// Render a graph into a picture.
     Render(RenderArgs),
+    /// Compute what a graph's picture should be, in float64 on the processor; no adapter is needed.
+    Reference(ReferenceArgs),
     /// Print what a graph comes to: nodes, bindings, sizes, memory, conventions.
     Plan(PlanArgs),
     /// Check shaders, graphs, transfer functions and test cases, without a GPU; folders are searched.

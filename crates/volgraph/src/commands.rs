@@ -12,6 +12,7 @@ mod link;
 mod new;
 mod nodes;
 mod plan;
+mod reference;
 mod render;
 mod shader_tree;
 mod test;
@@ -33,6 +34,7 @@ use crate::progress::Bars;
 pub fn run(command: Command) -> anyhow::Result<ExitCode> {
     match command {
         Command::Render(args) => render::run(&args),
+        Command::Reference(args) => reference::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),

@@ -24,6 +24,7 @@ mod overrides;
 mod scene;
 mod session;
 mod shaders;
+pub mod truth;
 
 pub use case::{Case, CaseOptions};
 pub use dependencies::Dependencies;
@@ -35,6 +36,7 @@ pub use session::{
     Unopened,
 };
 pub use shaders::{EMBEDDED_SHADERS, ShaderFolders};
+pub use truth::{Truth, TruthOptions};
 pub use volgraph_gpu::{AdapterChoice, AdapterSummary, FrameReport, list_adapters};
 pub use volgraph_graph::{Camera, CameraDesc, GraphDesc, Limits, Plan, Registry, View};
 pub use volgraph_nodes::registry;

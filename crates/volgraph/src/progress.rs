@@ -34,6 +34,16 @@ impl Bars {
 
     /// Says how much of a piece of work is done; `total` is 0 where it is unknown.
     pub fn update(&self, name: &str, done: u64, total: u64) {
+        let template = "{msg} [{bar:30}] {bytes}/{total_bytes} {bytes_per_sec} {eta}";
+        self.show(name, done, total, template);
+    }
+
+    /// The same of work that is counted in pieces.
+    pub fn count(&self, name: &str, done: u64, total: u64) {
+        self.show(name, done, total, "{msg} [{bar:30}] {pos}/{len} {eta}");
+    }
+
+    fn show(&self, name: &str, done: u64, total: u64, template: &str) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         if state.name != name {
             if let Some(bar) = state.bar.take() {
@@ -45,7 +55,6 @@ impl Bars {
         if state.bar.is_none() && state.started.elapsed() > PATIENCE {
             // Drawn on standard error, and not at all where that is no terminal.
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-            let template = "{msg} [{bar:30}] {bytes}/{total_bytes} {bytes_per_sec} {eta}";
             if let Ok(style) = ProgressStyle::with_template(template) {
                 bar.set_style(style);
             }

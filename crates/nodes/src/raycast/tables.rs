@@ -133,7 +133,7 @@ pub(crate) fn table_range(
 }
 
 /// The data value at a position of a transfer function.
-fn data_value(volume: &Volume, domain: Domain, at: f64) -> f64 {
+pub(crate) fn data_value(volume: &Volume, domain: Domain, at: f64) -> f64 {
     let (from, to) = match domain {
         Domain::Data => return at,
         Domain::Normalised => placement::normalised_range(volume),

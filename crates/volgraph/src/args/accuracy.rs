@@ -1,0 +1,54 @@
+//! The arguments of the commands that measure accuracy.
+
+use std::path::PathBuf;
+
+use clap::Args as ClapArgs;
+use volgraph::TruthOptions;
+use volgraph::truth::default_cache;
+
+use super::SceneArgs;
+
+/// How the truth is computed.
+#[derive(ClapArgs, Clone, Debug)]
+pub struct TruthArgs {
+    /// Absolute tolerance of the reference, in linear premultiplied colours.
+    #[arg(long, value_name = "T", default_value = "1e-8", value_parser = parse_tolerance)]
+    pub tolerance: f64,
+    /// Compute the reference even where it is kept from before.
+    #[arg(long)]
+    pub no_cache: bool,
+}
+
+impl TruthArgs {
+    /// As options.
+    pub fn options(&self) -> TruthOptions {
+        TruthOptions {
+            tolerance: self.tolerance,
+            cache: default_cache().filter(|_| !self.no_cache),
+        }
+    }
+}
+
+fn parse_tolerance(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(tolerance) if (1e-10..=1.0).contains(&tolerance) => Ok(tolerance),
+        _ => Err("a tolerance is a number between 1e-10 and 1".to_owned()),
+    }
+}
+
+/// `volgraph reference`.
+#[derive(ClapArgs, Debug)]
+pub struct ReferenceArgs {
+    /// The graph and its changes.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// The picture: .exr in linear f32, with depth, opacity, normals and the bound of the error as layers; or .png.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// How the truth is computed.
+    #[command(flatten)]
+    pub truth: TruthArgs,
+    /// Print what was done as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
