@@ -162,8 +162,7 @@ impl DrawTarget for Drawing {
         pixels: I,
     ) -> Result<(), Infallible> {
         for Pixel(at, color) in pixels {
-            if let (true, Ok(x), Ok(y)) =
-                (color.is_on(), u32::try_from(at.x), u32::try_from(at.y))
+            if let (true, Ok(x), Ok(y)) = (color.is_on(), u32::try_from(at.x), u32::try_from(at.y))
             {
                 self.set(x, y, INK);
             }

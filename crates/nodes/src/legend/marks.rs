@@ -148,7 +148,9 @@ mod tests {
     fn long_and_short_scales_have_few_numbers() {
         assert_eq!(
             numbers(1e-30, 1.0, true),
-            ["10-28", "10-24", "10-20", "10-16", "10-12", "10-8", "10-4", "100"]
+            [
+                "10-28", "10-24", "10-20", "10-16", "10-12", "10-8", "10-4", "100"
+            ]
         );
         assert_eq!(numbers(0.2, 0.7, true), ["0.200", "0.700"]);
         assert_eq!(numbers(3e-7, 8e-7, true), ["3e-7", "8e-7"]);
