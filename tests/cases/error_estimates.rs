@@ -111,7 +111,7 @@ fn try_render(stage: &Stage, graph: &str, sets: &[&str], backend: &str) -> Optio
 fn truth(stage: &Stage, name: &str, step: f64, backend: &str) -> Picture {
     let graph = format!("{name}_alone.ron");
     let step = |divisor: f64| format!("image.step={}", step / divisor);
-    let [sixteenth, half] = [16.0, 2.0].map(step);
+    let [sixteenth, quarter, half] = [16.0, 4.0, 2.0].map(step);
     let form = "image.stage=compute";
     let exact = "image.refinement=cubic";
     let whole = "image.early_termination=0";
@@ -131,7 +131,7 @@ fn truth(stage: &Stage, name: &str, step: f64, backend: &str) -> Picture {
         // Between its surfaces it is integrated.
         tries.insert(0, vec![&sixteenth, form, exact, whole]);
     } else if name == "translucency" {
-        tries = vec![vec![&sixteenth, form]];
+        tries = vec![vec![&quarter, form]];
     }
     tries
         .into_iter()
