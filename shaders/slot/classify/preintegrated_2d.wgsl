@@ -7,19 +7,15 @@
 fn classify_segment(ray: Ray, segment: Segment) -> Classified {
     let front = segment.front.scalar;
     let back = segment.back.scalar;
-    // A double one is two of the table's: the scalar runs linearly through both. A loop, for software drivers run both
-    // sides of an `if`.
-    let count = select(1u, 2u, segment.length >= 1.5 * transfer.preintegration_length);
-    let length = segment.length / f32(count);
-    let change = (back - front) / f32(count);
-    var all = Classified(vec3f(0.0), 1.0);
-    for (var turn = 0u; turn < count; turn++) {
-        let from_scalar = front + f32(turn) * change;
-        let to_scalar = select(from_scalar + change, back, turn + 1u == count);
-        let piece = preintegrated_2d_piece(from_scalar, to_scalar, length);
-        all = Classified(all.color + all.transmittance * piece.color, all.transmittance * piece.transmittance);
+    // Segments that know their middle are two of the table's, of one length: the scalar runs linearly through both.
+    // All others know at build time that they do not, so this costs them nothing.
+    if segment.has_middle {
+        let middle = 0.5 * (front + back);
+        let near = preintegrated_2d_piece(front, middle, 0.5 * segment.length);
+        let far = preintegrated_2d_piece(middle, back, 0.5 * segment.length);
+        return Classified(near.color + near.transmittance * far.color, near.transmittance * far.transmittance);
     }
-    return all;
+    return preintegrated_2d_piece(front, back, segment.length);
 }
 
 // Between two scalars, over a world length.
