@@ -7,6 +7,7 @@ mod agreement;
 mod clips;
 mod closed_forms;
 mod differences;
+mod error_estimates;
 mod exhaustion;
 mod glass;
 mod hazards;
