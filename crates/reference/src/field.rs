@@ -260,6 +260,12 @@ impl Field {
         DVec3::select(position.cmpeq(clamped), along, DVec3::ZERO)
     }
 
+    /// Gradient of the trilinear field by world coordinates at a world position.
+    pub(crate) fn world_gradient(&self, world: DVec3) -> DVec3 {
+        let at = self.index_from_world.transform_point3(world);
+        self.world_from_index_gradient() * self.gradient(at)
+    }
+
     /// Calls `visit` with the curves along a ray between two distances, front to back, until it returns true. With faces
     /// they end half-way between samples as well.
     pub fn walk(

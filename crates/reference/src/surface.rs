@@ -5,7 +5,8 @@ use glam::DVec3;
 use crate::clip::towards_eye;
 use crate::curve::Curve;
 use crate::lit::Shine;
-use crate::shadow;
+use crate::look::Lamp;
+use crate::shadow::{self, Lit};
 use crate::sight::{Part, Sight};
 
 /// A surface that a curve meets.
@@ -23,6 +24,8 @@ pub(crate) struct Hit {
 /// What a walk over the parts of a ray has come through.
 pub(crate) struct SurfaceWalk {
     has_faces: bool,
+    /// Absolute tolerance of colours.
+    tolerance: f64,
     /// Where the last curve ended, and whether that was in the solid.
     end: f64,
     is_solid: bool,
@@ -31,9 +34,10 @@ pub(crate) struct SurfaceWalk {
 }
 
 impl SurfaceWalk {
-    pub(crate) fn new(has_faces: bool) -> Self {
+    pub(crate) fn new(has_faces: bool, tolerance: f64) -> Self {
         Self {
             has_faces,
+            tolerance,
             end: f64::NEG_INFINITY,
             is_solid: false,
             is_above: Vec::new(),
@@ -60,9 +64,14 @@ impl SurfaceWalk {
                     if normal == DVec3::ZERO {
                         normal = gradient_normal(sight, curve, 0.0);
                     }
+                    let point = Lit {
+                        world: sight.ray.at(curve.start),
+                        normal,
+                        is_face: true,
+                    };
                     hits.push(Hit {
                         w: 0.0,
-                        color: color(sight, part, curve.start, normal, first, layer.color),
+                        color: self.color(sight, part, &point, first, layer.color),
                         opacity: layer.opacity,
                         normal,
                     });
@@ -84,10 +93,14 @@ impl SurfaceWalk {
                 let layer = &look.layers[at];
                 if layer.opacity > 0.0 {
                     let normal = gradient_normal(sight, curve, w);
-                    let distance = curve.distance(w);
+                    let point = Lit {
+                        world: sight.ray.at(curve.distance(w)),
+                        normal,
+                        is_face: false,
+                    };
                     hits.push(Hit {
                         w,
-                        color: color(sight, part, distance, normal, layer.level, layer.color),
+                        color: self.color(sight, part, &point, layer.level, layer.color),
                         opacity: layer.opacity,
                         normal,
                     });
@@ -97,6 +110,28 @@ impl SurfaceWalk {
         }
         self.end = curve.end;
         self.is_solid = look.is_solid(curve.at(1.0));
+    }
+
+    /// Linear colour towards the eye of a point.
+    fn color(
+        &self,
+        sight: &Sight<'_>,
+        part: &Part,
+        point: &Lit,
+        scalar: f64,
+        color: [f64; 3],
+    ) -> [f64; 3] {
+        let look = sight.look(part);
+        let Some(lamps) = &look.lamps else {
+            return color;
+        };
+        let material = look.material_at(scalar);
+        let to_eye = -sight.ray.direction;
+        let reaches = |lamp: &Lamp, direction, reach| {
+            shadow::transmittance(sight, point, lamp, direction, reach, self.tolerance)
+        };
+        let (world, normal) = (point.world, point.normal);
+        Shine::new(lamps, world, normal, to_eye, material.shininess, reaches).on(color, &material)
     }
 }
 
@@ -110,33 +145,4 @@ fn gradient_normal(sight: &Sight<'_>, curve: &Curve, w: f64) -> DVec3 {
     } else {
         normal
     }
-}
-
-/// Linear colour towards the eye of a surface.
-fn color(
-    sight: &Sight<'_>,
-    part: &Part,
-    distance: f64,
-    normal: DVec3,
-    scalar: f64,
-    color: [f64; 3],
-) -> [f64; 3] {
-    let look = sight.look(part);
-    let Some(lamps) = &look.lamps else {
-        return color;
-    };
-    let material = look.material_at(scalar);
-    let world = sight.ray.at(distance);
-    let to_eye = -sight.ray.direction;
-    Shine::new(
-        lamps,
-        world,
-        normal,
-        to_eye,
-        material.shininess,
-        |lamp, direction, reach| {
-            shadow::transmittance(sight, part, world, normal, lamp, direction, reach)
-        },
-    )
-    .on(color, &material)
 }

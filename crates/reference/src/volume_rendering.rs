@@ -35,7 +35,7 @@ pub(crate) fn light<'a, 's>(
         // What comes behind so little light is below the tolerance.
         least: 0.5 * tolerance,
     };
-    let mut surfaces = surfaces.map(SurfaceWalk::new);
+    let mut surfaces = surfaces.map(|has_faces| SurfaceWalk::new(has_faces, tolerance));
     for part in &sight.parts {
         let mut hits = Vec::new();
         sight.walk(part, |curve| {

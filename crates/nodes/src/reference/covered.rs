@@ -35,7 +35,7 @@ const COVERED: &[(&str, &[&str])] = &[
     // Both approximate light at each point.
     ("light", &["unlit", "phong", "phong_ends"]),
     ("material", &["uniform", "transfer", "preintegrated"]),
-    ("shadow", &["none"]),
+    ("shadow", &["none", "surface", "transmittance"]),
     ("environment", &["none"]),
     ("clip", &["none", "planes", "box", "sphere", "volume"]),
     ("labels", &["none", "volume"]),
@@ -81,10 +81,13 @@ pub(super) fn check(node: &NodeContext<'_>) -> Result<(), Finding> {
             "compare with a choice that it computes (`{known}`), or with the same graph at a much smaller step"
         )));
     }
-    // Values along a ray are looked for in the matter of a point only where surfaces alone are lit.
-    let technique = node.slot("technique");
-    if is_read(node, "shadow") && node.slot("shadow") != "none" && technique.ends_with("dvr") {
-        let what = format!("shadows inside of a volume (`{}`)", node.slot("shadow"));
+    // Inside of a volume each point of a ray would have a ray of its own, and light jumps along it.
+    let (technique, shadow) = (node.slot("technique"), node.slot("shadow"));
+    let is_one_solid = technique == "isosurface";
+    if is_read(node, "shadow")
+        && !(shadow == "none" || (is_one_solid && node.slot("reconstruct") == "trilinear"))
+    {
+        let what = format!("the shadow `{shadow}` with this technique or reconstruction");
         return Err(refusal(node, &what)
             .help("compare with the same graph at a much smaller step, or without shadows"));
     }

@@ -32,6 +32,7 @@ pub(super) fn look(values: &Values<'_>, transfer: usize) -> Result<Look, Finding
     let is_lit = node.slot("light") != "unlit";
     let has_matter = matches!(technique, "dvr" | "isosurface_dvr")
         || (is_lit && materials.by_transfer)
+        || (technique == "isosurface" && is_lit && node.slot("shadow") == "transmittance")
         || (matches!(technique, "mip" | "minip" | "average") && node.slot("tone") == "transfer");
     let matter = if has_matter {
         let transfer = transfer_of(node, transfer)?;

@@ -69,7 +69,7 @@ pub fn raycast_scene(node: &NodeContext<'_>, view: &View) -> Result<Scene, Findi
         labels,
         technique: technique(&own, &rows)?,
         looks,
-        shadow: Shadow::None,
+        shadow: shadow(node),
         background: background(node)?,
     })
 }
@@ -90,6 +90,15 @@ fn gradients(node: &NodeContext<'_>) -> Gradients {
         ("tricubic", _) => Gradients::Bspline,
         (_, "sobel") => Gradients::StoredSobel,
         _ => Gradients::StoredCentral,
+    }
+}
+
+fn shadow(node: &NodeContext<'_>) -> Shadow {
+    match node.slot("shadow") {
+        _ if node.slot("light") == "unlit" => Shadow::None,
+        "surface" => Shadow::Solid,
+        "transmittance" => Shadow::Matter,
+        _ => Shadow::None,
     }
 }
 
