@@ -22,6 +22,7 @@ mod memory_of_work;
 mod plans;
 mod projections;
 mod rebuilds;
+mod reference;
 mod reflections;
 mod refraction;
 mod refraction_behind;

@@ -95,9 +95,8 @@ fn stored(
     at_sample: impl Fn(&Field, IVec3) -> DVec3,
 ) -> [Polynomial; 3] {
     let cell = line.cell();
-    let gradients: [DVec3; 8] = std::array::from_fn(|i| {
-        at_sample(field, field.clamped(cell.as_ivec3() + corner(i)))
-    });
+    let gradients: [DVec3; 8] =
+        std::array::from_fn(|i| at_sample(field, field.clamped(cell.as_ivec3() + corner(i))));
     [0, 1, 2].map(|axis| {
         let values = gradients.map(|gradient| gradient[axis]);
         Polynomial::through(QUARTERS.map(|w| trilinear(&values, line.at(w) - cell)))
@@ -125,4 +124,128 @@ fn sobel_at(field: &Field, index: IVec3) -> DVec3 {
         sum += field.sample_clamped(index + offset) * offset.as_dvec3() * across;
     }
     sum / 32.0
+}
+
+#[cfg(test)]
+mod tests {
+    use volgraph_volume::{Grid, Volume, Voxels};
+
+    use super::*;
+
+    /// Noise: nothing about it is symmetric.
+    fn field() -> Field {
+        let dims = [5, 4, 6];
+        let noise = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 16) / 65536.0;
+        let voxels = (0..120).map(noise).collect();
+        let grid = Grid::axis_aligned(dims, DVec3::new(1.0, 2.0, 0.5), DVec3::ZERO);
+        Field::new(&Volume::new("noise", grid, Voxels::F64(voxels)).unwrap())
+    }
+
+    /// Calls `check` at places along a ray through the whole box, its clamped rim included.
+    fn along_a_ray(field: &Field, check: impl Fn(DVec3, &Curve, f64, &Ray)) {
+        let ray = Ray {
+            origin: DVec3::new(-1.31, -2.13, -1.69),
+            direction: DVec3::new(1.1, 1.7, 0.9).normalize(),
+        };
+        let ends = field.interval(&ray).unwrap();
+        let mut curves = 0;
+        field.walk(&ray, ends, false, |curve| {
+            for w in [0.0, 0.37, 1.0] {
+                let world = ray.at(curve.distance(w));
+                let at = field.index_from_world().transform_point3(world);
+                check(at, curve, w, &ray);
+            }
+            curves += 1;
+            false
+        });
+        assert!(curves > 8, "{curves}");
+    }
+
+    #[test]
+    fn along_a_ray_gradients_are_those_at_its_points() {
+        let field = field();
+        let spacing = DVec3::new(1.0, 2.0, 0.5);
+        let central = |f: &dyn Fn(DVec3) -> f64, at: DVec3| {
+            let d = |aside: DVec3| 0.5 * (f(at + aside) - f(at - aside));
+            DVec3::new(d(DVec3::X), d(DVec3::Y), d(DVec3::Z))
+        };
+        along_a_ray(&field, |at, curve, w, ray| {
+            assert!((curve.at(w) - field.at(at)).abs() < 1e-12);
+            let expected = central(&|at| field.at(at), at) / spacing;
+            let found = Gradients::Central.along(&field, ray, curve).at(w);
+            assert!(found.distance(expected) < 1e-11, "{at}: {found} {expected}");
+            // Between samples: of the differences there, each clamped as a texture is.
+            let last = DVec3::new(4.0, 3.0, 5.0);
+            let clamped = at.clamp(DVec3::ZERO, last);
+            let cell = clamped.floor().min(last - 1.0);
+            let part = clamped - cell;
+            let mut expected = DVec3::ZERO;
+            for i in 0..8 {
+                let corner = corner(i).as_dvec3();
+                let weights = DVec3::ONE - (part - corner).abs();
+                let there = central(&|at| field.at(at), cell + corner);
+                expected += weights.x * weights.y * weights.z * there;
+            }
+            let found = Gradients::StoredCentral.along(&field, ray, curve).at(w);
+            assert!(found.distance(expected / spacing) < 1e-11, "{at}");
+        });
+    }
+
+    #[test]
+    fn exact_gradients_are_the_slopes_of_their_fields() {
+        for (kernel, gradients) in [
+            (Kernel::Linear, Gradients::Trilinear),
+            (Kernel::Bspline, Gradients::Bspline),
+        ] {
+            let field = field().with_kernel(kernel);
+            along_a_ray(&field, |at, curve, w, ray| {
+                let gradient = gradients.along(&field, ray, curve).at(w);
+                let slope = curve.scalar.slope(w) / (curve.end - curve.start);
+                let off = gradient.dot(ray.direction) - slope;
+                assert!(off.abs() < 1e-9, "{kernel:?} {at}: {off:e}");
+            });
+        }
+    }
+
+    #[test]
+    fn kernels_reproduce_what_they_must() {
+        // A linear field is kept by each kernel inside of the rim; a B-spline smooths a single sample to 8/27 of it.
+        let grid = Grid::axis_aligned([7, 7, 7], DVec3::ONE, DVec3::ZERO);
+        let linear = (0..343).map(|i| f64::from(i % 7) - 2.0 * f64::from(i / 49));
+        let voxels = Voxels::F64(linear.collect());
+        let linear = Field::new(&Volume::new("linear", grid, voxels).unwrap());
+        let mut voxels = vec![0.0; 343];
+        voxels[3 + 21 + 147] = 1.0;
+        let peak = Field::new(&Volume::new("peak", grid, Voxels::F64(voxels)).unwrap());
+        let ray = Ray {
+            origin: DVec3::splat(3.0) - 1.5 * DVec3::new(0.6, 0.64, 0.48),
+            direction: DVec3::new(0.6, 0.64, 0.48),
+        };
+        for (kernel, top) in [
+            (Kernel::Linear, 1.0),
+            (Kernel::Bspline, 8.0 / 27.0),
+            (Kernel::CatmullRom, 1.0),
+        ] {
+            let (linear, peak) = (
+                linear.clone().with_kernel(kernel),
+                peak.clone().with_kernel(kernel),
+            );
+            linear.walk(&ray, (0.0, 3.0), false, |curve| {
+                let at = ray.at(curve.distance(0.7));
+                assert!((curve.at(0.7) - (at.x - 2.0 * at.z)).abs() < 1e-12);
+                false
+            });
+            let mut before = None;
+            peak.walk(&ray, (0.0, 3.0), false, |curve| {
+                if curve.end == 1.5 || (curve.end - 1.5).abs() < 1e-12 {
+                    assert!((curve.at(1.0) - top).abs() < 1e-12, "{kernel:?}");
+                }
+                // No jumps from cell to cell.
+                let here = curve.at(0.0);
+                assert!(before.is_none_or(|value: f64| (value - here).abs() < 1e-12));
+                before = Some(curve.at(1.0));
+                false
+            });
+        }
+    }
 }

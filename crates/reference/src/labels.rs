@@ -124,7 +124,10 @@ impl Labels {
             .transform_vector3(ray.direction);
         let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {
-            let (low, high) = (self.low[axis] - origin[axis], self.high[axis] - origin[axis]);
+            let (low, high) = (
+                self.low[axis] - origin[axis],
+                self.high[axis] - origin[axis],
+            );
             if slope[axis] == 0.0 {
                 if low > 0.0 || high < 0.0 {
                     return None;
@@ -242,6 +245,87 @@ impl Labels {
             -ray.direction
         } else {
             normal
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DAffine3;
+    use volgraph_volume::{Grid, Volume, Voxels};
+
+    use super::*;
+
+    fn labels(is_blocky: bool) -> Labels {
+        let dims = [6, 5, 4];
+        let grid = Grid::axis_aligned(dims, DVec3::ONE, DVec3::ZERO);
+        let voxels = (0..120_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 29) as u8 % 3);
+        let volume = Volume::new("labels", grid, Voxels::U8(voxels.collect())).unwrap();
+        let (low, high) = grid.box_index();
+        Labels {
+            field: Field::new(&volume).placed(DAffine3::IDENTITY),
+            low,
+            high,
+            is_blocky,
+            looks: vec![0; LABELS],
+            is_visible: vec![true; LABELS],
+        }
+    }
+
+    /// The label that has most at a place, by looking; `None` where two have nearly as much.
+    fn looked_up(labels: &Labels, at: DVec3) -> Option<usize> {
+        if labels.is_blocky {
+            let near_face = ((at + 0.5) - (at + 0.5).round()).abs().min_element() < 1e-4;
+            return (!near_face).then(|| labels.label_at((at + 0.5).floor()));
+        }
+        let mut leads: Vec<_> = (0..3)
+            .map(|label| (labels.lead(at, label, 99), label))
+            .collect();
+        leads.sort_by(|a, b| b.0.total_cmp(&a.0));
+        (leads[0].0 > leads[1].0 + 1e-3).then_some(leads[0].1)
+    }
+
+    #[test]
+    fn stretches_are_what_one_finds_by_looking() {
+        for is_blocky in [false, true] {
+            let labels = labels(is_blocky);
+            let (mut looked, mut changes) = (0, 0);
+            for turn in 0..40 {
+                let angle = f64::from(turn) * 0.37;
+                let direction =
+                    DVec3::new(angle.cos(), angle.sin(), 0.3 * (2.0 * angle).sin()).normalize();
+                let ray = Ray {
+                    origin: DVec3::new(2.4, 2.1, 1.6) - 5.0 * direction,
+                    direction,
+                };
+                let stretches = labels.stretches(&ray, (0.0, 10.0));
+                assert_eq!(stretches.last().unwrap().far, 10.0);
+                assert!(stretches.windows(2).all(|pair| pair[0].far < pair[1].far
+                    && pair[0].label != pair[1].label
+                    && (pair[0].normal.length() - 1.0).abs() < 1e-9
+                    && pair[0].normal.dot(direction) <= 1e-9));
+                changes += stretches.len() - 1;
+                for step in 0..2000 {
+                    let distance = 0.005 * f64::from(step);
+                    let at = ray.at(distance);
+                    let is_out = at.cmplt(labels.low).any() || at.cmpgt(labels.high).any();
+                    let face = (at - labels.low).abs().min((at - labels.high).abs());
+                    if face.min_element() < 1e-6 {
+                        continue;
+                    }
+                    let expected = if is_out {
+                        Some(0)
+                    } else {
+                        looked_up(&labels, at)
+                    };
+                    let found = stretches.iter().find(|one| distance < one.far).unwrap();
+                    if let Some(expected) = expected {
+                        looked += 1;
+                        assert_eq!(found.label, expected, "{is_blocky} {turn} {distance}");
+                    }
+                }
+            }
+            assert!(looked > 60_000 && changes > 150, "{looked} {changes}");
         }
     }
 }
