@@ -14,6 +14,8 @@ const CAMERAS: [&str; 3] = [
     "orbit(azimuth: 33, elevation: 21, projection: orthographic)",
     "look_at(eye: (3.2, 2.1, 4.4), target: (0.0, 1.0, 0.0), fov_y: 70)",
 ];
+/// A background of nothing: what is seen is the volume's.
+const CLEAR: &str = r#"{ "color": [0, 0, 0, 0] }"#;
 const LOW: DVec3 = DVec3::splat(-0.5);
 const HIGH: DVec3 = DVec3::splat(7.5);
 
@@ -23,7 +25,7 @@ fn stage(camera: &str, slots: &str, params: &str, value: impl Fn(u32, u32, u32) 
     Stage::new()
         .with_floats("v", [8, 8, 8], value)
         .with("transfer.ron", "(domain: data, reference_length: (world: 1), color: (1, 0.5, 0.25), extinction: [(0, 0), (1, 0.4)])")
-        .with("graph.ron", graph(volume, camera, "{}", &format!("{{ {slots} }}"), &format!("{{ {params} }}")))
+        .with("graph.ron", graph(volume, camera, CLEAR, &format!("{{ {slots} }}"), &format!("{{ {params} }}")))
 }
 
 /// The largest error of any channel, over the pixels whose ray meets the box; `expected` is of a ray and its interval.
@@ -256,7 +258,7 @@ fn the_isosurface_of_a_distance_is_where_the_harness_finds_it() {
         (CAMERAS[0], "above"),
     ] {
         let params = format!(
-            r#""isovalue": 0.6, "isovalue_unit": "data", "solid": "{solid}", "cut_faces": "open""#
+            r#""isovalue": 0.8, "isovalue_unit": "data", "solid": "{solid}", "cut_faces": "open""#
         );
         let slots = r#""technique": "isosurface", "light": "phong", "gradient": "analytic""#;
         let stage = stage(camera, slots, &params, ball);
@@ -265,14 +267,8 @@ fn the_isosurface_of_a_distance_is_where_the_harness_finds_it() {
         for at in 0..SIZE[0] * SIZE[1] {
             let ray = ray(&view, at % SIZE[0], at / SIZE[0]);
             let crossings = box_interval(ray, LOW, HIGH)
-                .map(|interval| field.crossings(ray, interval, 0.6_f32.into()))
+                .map(|interval| field.crossings(ray, interval, 0.8))
                 .unwrap_or_default();
-            // The level is the float64 of the file, not the f32 of a shader.
-            let crossings = if crossings.is_empty() {
-                crossings
-            } else {
-                field.crossings(ray, box_interval(ray, LOW, HIGH).unwrap(), 0.6)
-            };
             let depth = truth.rendered.depth[at as usize];
             let Some((first, slope)) = crossings.first() else {
                 assert_eq!(depth, f64::INFINITY, "{camera} {solid} {at}");
@@ -296,7 +292,7 @@ fn the_isosurface_of_a_distance_is_where_the_harness_finds_it() {
             let red = truth.rendered.color[at as usize][0];
             assert!((red - (0.8 * share + shine)).abs() < 1e-12, "{camera} {at}");
         }
-        assert!(met > 60, "{met}");
+        assert!(met > 30, "{met}");
     }
 }
 
@@ -356,7 +352,13 @@ fn two_labels_are_two_slabs_blocky_or_smooth() {
                 }
                 let set = format!("image.label_boundary={boundary}");
                 let error = worst(&stage, &[&set], |(origin, direction), (near, far)| {
-                    let crossing = ((3.5 - origin.x) / direction.x).clamp(near, far);
+                    // A ray that goes away from the plane has its first label to its end.
+                    let crossing = (3.5 - origin.x) / direction.x;
+                    let crossing = if crossing > near {
+                        crossing.min(far)
+                    } else {
+                        far
+                    };
                     let starts_red = origin.x + near * direction.x < 3.5;
                     let (first, second) = (crossing - near, far - crossing);
                     let blue = if hidden { 0.0 } else { 0.23 };

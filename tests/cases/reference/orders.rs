@@ -6,7 +6,7 @@ use volgraph_tests::{Stage, adapters, render};
 
 use super::truth;
 
-const SIZE: [u32; 2] = [32, 32];
+const SIZE: [u32; 2] = [24, 24];
 
 /// A smooth field with bumps, about 0 to 1.
 fn bumps(x: u32, y: u32, z: u32) -> f32 {
@@ -15,6 +15,14 @@ fn bumps(x: u32, y: u32, z: u32) -> f32 {
 }
 
 fn stage(slots: &str, params: &str) -> Stage {
+    // A label has parameters that its shader knows.
+    let own = if slots.contains("isosurface") {
+        r#""isovalue": 0.5"#
+    } else if slots.contains("phong") {
+        r#""specular": 0.6"#
+    } else {
+        ""
+    };
     let graph = format!(
         r#"(
     sources: {{
@@ -51,11 +59,8 @@ fn stage(slots: &str, params: &str) -> Stage {
               material: [(at: 0.3, ambient: 0.1, diffuse: 0.9), (at: 0.8, ambient: 0.5, diffuse: 0.4, specular: 0.5)])",
         )
         .with("blue.ron", "(domain: data, color: (0, 0.2, 1), extinction: [(0.2, 0), (0.8, 0.6)])")
-        .with(
-            "segments.ron",
-            r#"(segments: [(label: 1, transfer: "blue.ron", params: { "specular": 0.6, "isovalue": 0.5 }),
-                           (label: 2, visible: false)])"#,
-        )
+        .with("segments.ron", format!(r#"(segments: [
+            (label: 1, transfer: "blue.ron", params: {{ {own} }}), (label: 2, visible: false)])"#))
         .with("graph.ron", graph)
 }
 
@@ -83,7 +88,7 @@ fn all() -> Vec<(String, String, f64, f64)> {
         ),
         (
             r#""clip": "volume""#,
-            r#""clip_isovalue": 0.9, "clip_isovalue_unit": "data", "clip_volume_place": "box""#,
+            r#""clip_isovalue": 0.9, "clip_isovalue_unit": "data", "clip_volume_place": "box", "clip_step": 0.0625"#,
             1.8,
             1e-4,
         ),
@@ -104,12 +109,7 @@ fn all() -> Vec<(String, String, f64, f64)> {
             EXACT,
             1e-6,
         ),
-        (
-            r#""technique": "average", "tone": "transfer""#,
-            "",
-            1.8,
-            1e-4,
-        ),
+        (r#""technique": "average""#, "", 1.8, 1e-4),
         (
             r#""technique": "xray", "clip": "box""#,
             r#""clip_high": [0.7, 1, 0.6], "clip_keep": "outside", "window_low": 0.3"#,
@@ -143,13 +143,19 @@ fn all() -> Vec<(String, String, f64, f64)> {
         .collect();
     for gradient in ["stored", "central", "analytic", "tricubic"] {
         let slots = format!(r#"{LIT}, "gradient": "{gradient}""#);
-        all.push((slots.clone(), LAMPS.to_owned(), 1.2, 5e-4));
+        // Trilinear gradients jump from cell to cell: a segment across a face is off by a part of the jump, order 1.
+        let (least, bound) = if gradient == "analytic" {
+            (0.9, 2e-3)
+        } else {
+            (1.2, 5e-4)
+        };
+        all.push((slots.clone(), LAMPS.to_owned(), least, bound));
         // Surfaces have the gradient of one point, at any step.
         all.push((
             format!("{slots}, {iso}"),
             format!(r#"{LAMPS}, {faces}, "refinement": "cubic""#),
             EXACT,
-            2e-3,
+            1e-4,
         ));
     }
     for (slots, params) in [
@@ -184,7 +190,7 @@ fn all() -> Vec<(String, String, f64, f64)> {
             format!(r#"{LIT}, {iso}, "shadow": "{shadow}", "gradient": "analytic""#),
             format!(r#"{LAMPS}, {faces}, "refinement": "cubic", "shadow_step": 0.125"#),
             EXACT,
-            2e-2,
+            1e-4,
         ));
     }
     all
@@ -193,7 +199,8 @@ fn all() -> Vec<(String, String, f64, f64)> {
 #[test]
 fn finer_steps_go_to_the_reference() {
     let mut wrong = Vec::new();
-    for (slots, params, least, bound) in all() {
+    let backends = adapters();
+    for (at, (slots, params, least, bound)) in (0_usize..).zip(all()) {
         let params = if params.trim().is_empty() || params == "," {
             String::new()
         } else {
@@ -206,26 +213,30 @@ fn finer_steps_go_to_the_reference() {
             && !slots.contains("\"isosurface\"");
         let stage = stage(&slots, &params);
         let (truth, _) = truth(&stage, &[], SIZE);
-        for backend in adapters() {
-            let steps = [1.0, 0.5, 0.25, 0.125];
-            let errors = steps.map(|step| {
-                let step = format!("image.step={step}");
-                let mut sets = vec![step.as_str()];
-                if is_composed {
-                    sets.push("image.early_termination=0");
-                }
-                let (picture, _) = render(&stage, &sets, &backend, SIZE);
-                truth.compare(&picture).unwrap().rmse
-            });
-            let order = order(&steps, &errors).unwrap_or(0.0);
-            let line = format!(
-                "{slots} {params} {backend}: order {order:.2}, rmse {}",
-                errors.map(|error| format!("{error:.1e}")).join(" ")
-            );
-            let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("{line}\n"));
-            if errors[3] > bound || (least > EXACT && order < least) {
-                wrong.push(line);
+        // The backends run the same walk (see `agreement`), so they take turns.
+        let backend = &backends[at % backends.len()];
+        let steps: &[f64] = if least > EXACT {
+            &[0.5, 0.25, 0.125]
+        } else {
+            &[0.125]
+        };
+        let error = |step: &f64| {
+            let step = format!("image.step={step}");
+            let mut sets = vec![step.as_str()];
+            if is_composed {
+                sets.push("image.early_termination=0");
             }
+            let (picture, _) = render(&stage, &sets, backend, SIZE);
+            truth.compare(&picture).unwrap().rmse
+        };
+        let errors: Vec<f64> = steps.iter().map(error).collect();
+        let order = order(steps, &errors).unwrap_or(0.0);
+        let figures: Vec<String> = errors.iter().map(|error| format!("{error:.1e}")).collect();
+        let figures = figures.join(" ");
+        let line = format!("{slots} {params} {backend}: order {order:.2}, rmse {figures}");
+        let _ = std::io::Write::write_fmt(&mut std::io::stderr(), format_args!("{line}\n"));
+        if errors[errors.len() - 1] > bound || (least > EXACT && order < least) {
+            wrong.push(line);
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
