@@ -29,7 +29,7 @@ pub enum Shape {
     /// Where another volume is at an isovalue or above it; around its grid the samples at the edge go on.
     Volume {
         /// Its field, where it lies.
-        field: Field,
+        field: Box<Field>,
         /// The isovalue in its data units.
         level: f64,
     },

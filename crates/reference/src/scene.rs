@@ -108,3 +108,104 @@ impl Scene {
         *hashed.0.finalize().as_bytes()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use volgraph_optics::TransferFunction;
+    use volgraph_volume::{Grid, Volume, Voxels};
+
+    use super::*;
+    use crate::clip::Shape;
+    use crate::curve::Kernel;
+    use crate::look::{Lamp, Layer, Place, Tone};
+    use crate::matter::{Materials, Matter};
+
+    fn scene(last: u8) -> Scene {
+        let grid = Grid::axis_aligned([2, 2, 2], DVec3::ONE, DVec3::ZERO);
+        let voxels = Voxels::U8(vec![0, 1, 2, 3, 4, 5, 6, last]);
+        let field = Field::new(&Volume::new("field", grid, voxels).unwrap());
+        let text = "(domain: data, color: (1, 1, 1), extinction: [(0, 0), (1, 1)])";
+        let transfer = TransferFunction::parse("matter.ron".as_ref(), text).unwrap();
+        let matter = Matter::new(&transfer, (0.0, 1.0), 1.0, &Materials::NONE);
+        let rays = Rays {
+            eye: DVec3::ZERO,
+            right: DVec3::X,
+            up: DVec3::Y,
+            forward: DVec3::Z,
+            half_extent: [1.0; 2],
+            is_orthographic: false,
+            size: [1, 1],
+        };
+        Scene::unlit(rays, field, Look::unlit(matter))
+    }
+
+    #[test]
+    fn whatever_differs_has_another_digest() {
+        let changes: [fn(&mut Scene); 16] = [
+            |_| {},
+            |scene| scene.rays.eye.x += 1e-15,
+            |scene| scene.rays.size = [1, 2],
+            |scene| scene.field = scene.field.clone().with_kernel(Kernel::Bspline),
+            |scene| scene.gradients = Gradients::Central,
+            |scene| {
+                let sphere = |radius| Shape::Sphere {
+                    centre: DVec3::ZERO,
+                    radius,
+                };
+                scene.clip = Some(Clip {
+                    shape: sphere(1.0),
+                    keeps_outside: true,
+                });
+            },
+            |scene| {
+                scene.clip = Some(Clip {
+                    shape: Shape::Planes(vec![(DVec3::X, 0.5)]),
+                    keeps_outside: false,
+                });
+            },
+            |scene| scene.technique = Technique::Maximum,
+            |scene| {
+                scene.technique = Technique::Surfaces {
+                    has_faces: true,
+                    with_matter: false,
+                };
+            },
+            |scene| scene.looks[0].lamps = Some(Vec::new()),
+            |scene| {
+                scene.looks[0].lamps = Some(vec![Lamp {
+                    place: Place::Towards(DVec3::X),
+                    color: [1.0; 3],
+                }]);
+            },
+            |scene| scene.looks[0].materials.default.shininess = 2.0,
+            |scene| {
+                scene.looks[0].layers = vec![Layer {
+                    level: 0.5,
+                    color: [1.0; 3],
+                    opacity: 1.0,
+                }];
+            },
+            |scene| {
+                let window = Window {
+                    low: 0.0,
+                    span: 1.0,
+                };
+                scene.looks[0].tone = Tone::Window(window, [1.0; 3]);
+            },
+            |scene| scene.shadow = Shadow::Solid,
+            |scene| scene.background = Background::Uniform([0.0; 4]),
+        ];
+        let mut digests = vec![scene(8).digest()];
+        for change in changes {
+            let mut scene = scene(7);
+            change(&mut scene);
+            assert!(scene.digest() == scene.clone().digest());
+            digests.push(scene.digest());
+        }
+        let count = digests.len();
+        digests.sort_unstable();
+        digests.dedup();
+        assert_eq!(digests.len(), count);
+    }
+}

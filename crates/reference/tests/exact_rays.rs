@@ -1,6 +1,8 @@
 //! Rays whose colour and transmittance are known to 40 digits (`exact_rays.py` computes them with mpmath): constant,
 //! linear, quadratic and sampled sinusoidal scalars, each under a smooth, a linear, a step and a peak transfer function.
 
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use glam::DVec3;
 use volgraph_optics::TransferFunction;
 use volgraph_reference::{Field, Look, Materials, Matter, Rays, Scene, Silent, render};

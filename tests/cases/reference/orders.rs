@@ -170,7 +170,10 @@ fn all() -> Vec<(String, String, f64, f64)> {
             r#""technique": "isosurface_dvr""#,
             r#", "isovalue": 0.5, "refinement": "cubic""#,
         ),
-        (r#""clip": "box""#, r#", "clip_keep": "outside""#),
+        (
+            r#""clip": "box""#,
+            r#", "clip_keep": "outside", "clip_low": [0.3, 0, 0.4], "clip_high": [1, 0.7, 1]"#,
+        ),
     ] {
         all.push((
             format!("{LIT}, {slots}"),

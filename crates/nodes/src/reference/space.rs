@@ -110,6 +110,7 @@ fn clip_volume(values: &Values<'_>) -> Result<Shape, Finding> {
     }
     let unit = values.text("clip_isovalue_unit");
     let level = scalar(node, "clip_volume", values.float("clip_isovalue"), unit)?;
+    let field = Box::new(field);
     Ok(Shape::Volume { field, level })
 }
 
