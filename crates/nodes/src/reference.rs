@@ -1,5 +1,6 @@
 //! `reference`: what the picture of a raycast should be, computed in float64 on the processor.
 
+mod behind;
 mod covered;
 mod labels;
 mod looks;

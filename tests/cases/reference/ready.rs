@@ -8,10 +8,9 @@ use super::truth_of;
 const SIZE: [u32; 2] = [48, 48];
 
 /// What the reference does not compute yet.
-const REFUSED: [&str; 9] = [
+const REFUSED: [&str; 8] = [
     "difference",
     "environment",
-    "image_background",
     "matcap",
     "refraction",
     "refraction_surface",

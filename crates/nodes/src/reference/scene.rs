@@ -4,16 +4,17 @@
 //! one picture. What the reference has no closed form for is refused by name (`not-covered`), never left out.
 
 use volgraph_graph::{NodeContext, View};
-use volgraph_reference::{Background, Field, Gradients, Kernel, Rays, Scene, Shadow, Technique};
+use volgraph_reference::{Field, Gradients, Kernel, Rays, Scene, Shadow, Technique};
 use volgraph_report::Finding;
 
-use super::covered;
+use super::behind::behind;
+use super::covered::{self, refusal};
 use super::labels::{Row, labels};
 use super::looks::{look, window};
 use super::space::{clip, half_side};
 use super::values::Values;
+use crate::placement;
 use crate::raycast::Raycast;
-use crate::{background, placement};
 use volgraph_graph::NodeKind;
 
 /// The rays of a view.
@@ -47,7 +48,7 @@ pub fn raycast_scene(node: &NodeContext<'_>, view: &View) -> Result<Scene, Findi
     }
     covered::check(node)?;
     let own = Values::own(node);
-    let field = Field::new(placement::volume(node, "volume")?).with_kernel(kernel(node));
+    let field = Field::new(placement::volume(node, "volume")?).with_kernel(kernel(node)?);
     let (labels, rows) = labels(node)?;
     let mut looks = vec![look(&own, 0)?];
     for row in &rows {
@@ -68,17 +69,18 @@ pub fn raycast_scene(node: &NodeContext<'_>, view: &View) -> Result<Scene, Findi
         technique: technique(&own, &rows)?,
         looks,
         shadow: shadow(node),
-        background: background(node)?,
+        background: behind(node, view)?,
     })
 }
 
-fn kernel(node: &NodeContext<'_>) -> Kernel {
-    match node.slot("reconstruct") {
+fn kernel(node: &NodeContext<'_>) -> Result<Kernel, Finding> {
+    Ok(match node.slot("reconstruct") {
         "nearest" => Kernel::Nearest,
+        "trilinear" => Kernel::Linear,
         "tricubic" => Kernel::Bspline,
         "catmull_rom" => Kernel::CatmullRom,
-        _ => Kernel::Linear,
-    }
+        other => return Err(refusal(node, &format!("the reconstruction `{other}`"))),
+    })
 }
 
 fn gradients(node: &NodeContext<'_>) -> Gradients {
@@ -86,8 +88,10 @@ fn gradients(node: &NodeContext<'_>) -> Gradients {
         ("central", _) => Gradients::Central,
         ("analytic", _) => Gradients::Trilinear,
         ("tricubic", _) => Gradients::Bspline,
-        (_, "sobel") => Gradients::StoredSobel,
-        _ => Gradients::StoredCentral,
+        ("stored", "sobel") => Gradients::StoredSobel,
+        ("stored", "central") => Gradients::StoredCentral,
+        // Nobody reads it, or it would have been refused.
+        _ => Gradients::default(),
     }
 }
 
@@ -130,40 +134,6 @@ fn technique(own: &Values<'_>, rows: &[Row<'_>]) -> Result<Technique, Finding> {
             has_faces: false,
             with_matter: false,
         },
-        other => return Err(covered::refusal(node, &format!("the technique `{other}`"))),
-    })
-}
-
-fn background(node: &NodeContext<'_>) -> Result<Background, Finding> {
-    let Some(writer) = node.writer("behind") else {
-        return Ok(Background::Nothing);
-    };
-    if writer.kind_name() != background::Background.name() {
-        let message = format!(
-            "the reference does not compute a `{}` behind a raycast",
-            writer.kind_name()
-        );
-        return Err(node
-            .error("not-covered", message)
-            .help("connect a `background` to `behind`"));
-    }
-    let values = Values::own(&writer);
-    Ok(match writer.text("pattern") {
-        "uniform" => Background::Uniform(values.vector("color")),
-        "gradient" => Background::Gradient {
-            bottom: values.vector("bottom"),
-            top: values.vector("top"),
-        },
-        "checker" => Background::Checker {
-            color: values.vector("color"),
-            other_color: values.vector("other_color"),
-            squares: writer.float("squares"),
-        },
-        other => {
-            let message = format!("the reference does not compute the pattern `{other}`");
-            return Err(writer
-                .error("not-covered", message)
-                .help("choose the pattern `uniform`, `gradient` or `checker`"));
-        }
+        other => return Err(refusal(node, &format!("the technique `{other}`"))),
     })
 }
