@@ -29,7 +29,18 @@ const COVERED: &[(&str, &[&str])] = &[
     // The truth is that of gradients as they are: what storage loses is an error.
     ("gradient_storage", &["rgba16f", "rgba8"]),
     // Quadratures of one integral.
-    ("classify", &["post", "preintegrated_2d"]),
+    (
+        "classify",
+        &[
+            "post",
+            "gauss2",
+            "simpson",
+            "second_order",
+            "integral_1d",
+            "preintegrated_2d",
+            "preintegrated_3d",
+        ],
+    ),
     ("traverse", &["uniform"]),
     ("tone", &["window", "transfer"]),
     // Both approximate light at each point.
