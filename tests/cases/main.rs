@@ -24,6 +24,7 @@ mod plans;
 mod projections;
 mod quadratures;
 mod rebuilds;
+mod reference;
 mod reflections;
 mod refraction;
 mod refraction_behind;
