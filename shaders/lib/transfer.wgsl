@@ -10,3 +10,38 @@ fn transfer_at(scalar: f32) -> vec4f {
 fn transfer_between(front: f32, back: f32) -> vec4f {
     return transfer_entries((vec2f(front, back) - transfer.low) * transfer.preintegration_per_scalar);
 }
+
+// The same of half a segment.
+fn transfer_half(front: f32, back: f32) -> vec4f {
+    return transfer_half_entries((vec2f(front, back) - transfer.low) * transfer.half_per_scalar);
+}
+
+// As `transfer_at`, linear between two entries: the nearest one is a floor under errors of quadratures of order 4.
+fn transfer_linear(scalar: f32) -> vec4f {
+    let place = (scalar * transfer.entry_scale + transfer.entry_bias) * transfer.entries - 0.5;
+    let low = floor(place);
+    let near = transfer_entry((low + 0.5) / transfer.entries);
+    return mix(near, transfer_entry((low + 1.5) / transfer.entries), place - low);
+}
+
+// Means over the scalars from front to back: of linear colour times extinction, and of extinction per reference length.
+// The mean is a difference of two integrals by the difference of two scalars, both counted in entries and as they were
+// rounded: a mean over scalars 0.0005 entries away is as good. The integrals are sums of two floats each, since one of
+// their own would be off by up to 0.0005 entries of extinction and ruin the means of close scalars. So nothing cancels.
+// Inside of one entry the table knows no more than its mean; there the mean is the transfer function at the centre.
+fn transfer_mean(front: f32, back: f32) -> vec4f {
+    let places = (vec2f(front, back) - transfer.low) * transfer.integral_per_scalar;
+    let change = places.y - places.x;
+    if abs(change) < 1.0 {
+        let entry = transfer_linear(0.5 * (front + back));
+        return vec4f(entry.xyz * entry.w, entry.w);
+    }
+    // Column 0 is what is below the first entry, the last one what is above the last.
+    let cells = clamp(floor(places), vec2f(-1.0), vec2f(transfer.integral_last));
+    let columns = vec2i(cells) + 1;
+    let parts = places - cells;
+    let whole = transfer_integral(columns.y, 0) - transfer_integral(columns.x, 0);
+    let rest = transfer_integral(columns.y, 1) - transfer_integral(columns.x, 1);
+    let inside = parts.y * transfer_integral(columns.y, 2) - parts.x * transfer_integral(columns.x, 2);
+    return max((whole + (rest + inside)) / change, vec4f(0.0));
+}

@@ -10,6 +10,7 @@ pub mod encoding;
 pub mod false_color;
 pub mod gradient;
 pub mod image_texture;
+pub mod integral_table;
 pub mod label_texture;
 pub mod light_volume;
 pub mod lit_preintegration;
@@ -44,7 +45,9 @@ pub fn registry() -> Registry {
         .add_node(label_texture::LabelTexture)
         .add_node(gradient::Gradient)
         .add_node(transfer_table::TransferTable)
-        .add_node(preintegration::Preintegration)
+        .add_node(preintegration::Preintegration::Whole)
+        .add_node(preintegration::Preintegration::Half)
+        .add_node(integral_table::IntegralTable)
         .add_node(refraction_table::RefractionTable)
         .add_node(material_table::MaterialTable)
         .add_node(lit_preintegration::LitPreintegration::Material)

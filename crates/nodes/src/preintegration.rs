@@ -1,4 +1,4 @@
-//! `preintegration`: the table of integrals over segments, for one segment length; of several transfer functions, side by
+//! `preintegration` and `preintegration_half`: the table of integrals over segments, for one segment length; of several transfer functions, side by
 //! side in one texture.
 
 use volgraph_graph::{
@@ -13,8 +13,25 @@ use wgpu_types::TextureFormat;
 use crate::placement::volume;
 use crate::transfer_table::transfers;
 
-/// The node kind `preintegration`.
-pub struct Preintegration;
+/// The node kinds of one table each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preintegration {
+    /// `preintegration`: over segments.
+    Whole,
+    /// `preintegration_half`: over halves of segments.
+    Half,
+}
+
+impl Preintegration {
+    /// The length that it integrates over, in steps.
+    #[must_use]
+    pub fn steps(self) -> f64 {
+        match self {
+            Self::Whole => 1.0,
+            Self::Half => 0.5,
+        }
+    }
+}
 
 /// Inputs of all kinds that integrate over segments.
 pub(crate) const INPUTS: &[InputPort] = &[
@@ -61,6 +78,12 @@ pub(crate) fn step_param() -> ParamSpec {
         .range(0.01, 64.0)
         .unit("voxel")
 }
+
+/// What goes over from a node that calls for this one.
+pub(crate) const DEMANDED_PARAMS: &[(&str, &str)] = &[
+    ("step", "step"),
+    ("preintegration_size", "preintegration_size"),
+];
 
 /// The length of the segments in reference lengths.
 pub(crate) fn segment_references(
@@ -110,11 +133,21 @@ fn check_sum(node: &NodeContext<'_>, size: u32, count: usize) -> Result<(), Find
 
 impl NodeKind for Preintegration {
     fn name(&self) -> &'static str {
-        "preintegration"
+        match self {
+            Self::Whole => "preintegration",
+            Self::Half => "preintegration_half",
+        }
     }
 
     fn doc(&self) -> &'static str {
-        "Integrates transfer functions over all segments between two scalars (2D pre-integration)."
+        match self {
+            Self::Whole => {
+                "Integrates transfer functions over all segments between two scalars (2D pre-integration)."
+            }
+            Self::Half => {
+                "Integrates transfer functions over all halves of segments between two scalars."
+            }
+        }
     }
 
     fn inputs(&self) -> &[InputPort] {
@@ -145,8 +178,8 @@ impl NodeKind for Preintegration {
         let transfers = transfers(node)?;
         let references: Vec<f64> = transfers
             .iter()
-            .map(|transfer| segment_references(node, transfer))
-            .collect::<Result<_, _>>()?;
+            .map(|transfer| Ok(self.steps() * segment_references(node, transfer)?))
+            .collect::<Result<_, Finding>>()?;
         let size = node.uint("preintegration_size");
         let [columns, rows] = tiles(node.limits(), size, transfers.len()).map(|n| n as usize);
         let bytes = UploadBytes::new(move || {

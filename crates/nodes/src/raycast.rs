@@ -15,8 +15,8 @@ use volgraph_shader::{ParamSpec, UniformValue};
 use wgpu_types::TextureFormat;
 
 use self::ports::{INPUTS, LAYERS, OUTPUTS, SLOTS};
+pub(crate) use self::tables::{TablePorts, data_value, table_range, transfer_uniform};
 use self::tables::{check_table_sizes, check_tables_of_labels};
-pub(crate) use self::tables::{data_value, table_range, transfer_uniform};
 pub(crate) use self::walk::{MAX_SEGMENTS, check_walk, longest_ray, walk_slots};
 
 use crate::background::Background;
@@ -180,7 +180,7 @@ impl NodeKind for Raycast {
             "clip_placement" => placement::uniform_at(node, "clip_volume"),
             "transfer" => {
                 let transfer = transfer_table::transfer(node, "transfer")?;
-                transfer_uniform(node, &transfer, ["transfer_table", "preintegration_table"])
+                transfer_uniform(node, &transfer, &TablePorts::ONE)
             }
             "transfers" => segmentation::transfers_uniform(node),
             "segmentation" => segmentation::uniform(node),

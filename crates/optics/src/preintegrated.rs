@@ -12,6 +12,7 @@
 //! the same windows.
 
 mod cells;
+mod integral;
 mod lit;
 #[cfg(test)]
 mod tests;
@@ -19,6 +20,7 @@ mod tests;
 use rayon::prelude::*;
 
 use self::cells::Cells;
+pub use self::integral::IntegralTable;
 pub use self::lit::{PreintegratedMaterial, PreintegratedMoments};
 use crate::post::node;
 use crate::{OpticsError, TransferFunction, opacity_from_extinction};

@@ -1,6 +1,7 @@
 // Colour and opacity of a segment: the integral of the transfer function over a scalar that runs linearly from
 // front to back, from a table (Engel, Kraus and Ertl 2001), attenuation inside the segment included. Order 2 in
 // the step, for any transfer function; right at large steps where the transfer function has narrow peaks.
+// @order 2
 #import "lib/classified.wgsl"
 #import "lib/transfer.wgsl"
 

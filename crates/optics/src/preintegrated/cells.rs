@@ -59,6 +59,18 @@ impl Cells<Piece> {
         Self::of_pieces(transfer, n, &transfer.knots(), piece)
     }
 
+    /// `∫ c τ` and `∫ τ` over cell `cell`, a cell being 1 wide.
+    pub(super) fn integral(&self, cell: usize) -> [f64; 4] {
+        let mut sum = [0.0; 4];
+        for piece in self.pieces(cell) {
+            let depth = piece.share * piece.extinction;
+            for (sum, c) in sum.iter_mut().zip(piece.color.into_iter().chain([1.0])) {
+                *sum += c * depth;
+            }
+        }
+        sum
+    }
+
     /// Cell `cell` where it is `length` reference lengths long.
     pub(super) fn stretch(&self, cell: usize, length: f64) -> Stretch<3> {
         self.pieces(cell)
