@@ -19,7 +19,7 @@ use crate::scene::Scene;
 /// How a truth is computed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TruthOptions {
-    /// Absolute tolerance of linear premultiplied colours, 1e-12 to 1.
+    /// Absolute tolerance of linear premultiplied colours, 1e-10 to 1.
     pub tolerance: f64,
     /// Where results are kept; nowhere where it is `None`.
     pub cache: Option<PathBuf>,
