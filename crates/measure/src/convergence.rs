@@ -35,13 +35,14 @@ pub enum PointRole {
 pub const ABOVE_FLOOR: f64 = 4.0;
 
 /// A slope so far from the median of the finer ones is not on their line.
-pub const COARSE_SLOPE: f64 = 0.25;
+pub const COARSE_SLOPE: f64 = 0.15;
 
 /// An order needs so many points.
 pub const LEAST_POINTS: usize = 3;
 
-/// Where a halving brings the error down by less than this factor, it has stopped falling.
-const STANDSTILL: f64 = 0.7;
+/// Where the slope of a halving is below this, or below this share of the steepest before, the error has stopped falling.
+const STANDSTILL_SLOPE: f64 = 0.5;
+const STANDSTILL_SHARE: f64 = 0.4;
 
 /// Errors at halved steps, and their order.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -72,9 +73,15 @@ impl Convergence {
             })
             .collect();
         let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
-        let stands = errors
-            .windows(2)
-            .any(|pair| pair[1] > STANDSTILL * pair[0] && pair[0].max(pair[1]) <= highest_floor);
+        let slope =
+            |at: usize| (errors[at] / errors[at + 1]).ln() / (steps[at] / steps[at + 1]).ln();
+        let mut steepest = 0.0_f64;
+        let stands = (0..errors.len().saturating_sub(1)).any(|at| {
+            let slope = slope(at);
+            let is_flat = slope < STANDSTILL_SLOPE || slope < STANDSTILL_SHARE * steepest;
+            steepest = steepest.max(slope);
+            is_flat && errors[at].max(errors[at + 1]) <= highest_floor
+        });
         let floor = (stands || least <= rounding).then(|| least.max(rounding));
         if let Some(floor) = floor {
             // From the first point at the floor on: what follows is floor as well, whatever it does.
@@ -89,10 +96,7 @@ impl Convergence {
             .iter()
             .take_while(|point| point.role == PointRole::Fitted)
             .count();
-        let slopes: Vec<f64> = points[..used]
-            .windows(2)
-            .map(|pair| (pair[0].error / pair[1].error).ln() / (pair[0].step / pair[1].step).ln())
-            .collect();
+        let slopes: Vec<f64> = (0..used.saturating_sub(1)).map(slope).collect();
         let mut coarse = 0;
         while used - coarse > LEAST_POINTS
             && (slopes[coarse] - median(&slopes[coarse + 1..])).abs() > COARSE_SLOPE

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 use volgraph::{
     Change, ChangedFile, Dependencies, Drawn, Finding, Findings, Outcome, Picture, Place, Session,
-    embedded, registry,
+    Truth, TruthOptions, embedded, registry,
 };
 use volgraph_graph::is_embedded;
 use volgraph_picture::SaveOptions;
@@ -24,6 +24,7 @@ use volgraph_watch::{FileWatch, WatchOptions};
 use self::exec::Exec;
 use self::tell::Teller;
 use super::errors;
+use super::reference::Rows;
 use crate::args::WatchArgs;
 use crate::output;
 use crate::progress::Bars;
@@ -42,8 +43,9 @@ const TICK: Duration = Duration::from_millis(50);
 
 pub fn run(args: &WatchArgs) -> anyhow::Result<ExitCode> {
     super::check_output(&args.output)?;
-    let compared = args.against.as_deref().map(|file| against(args, file));
-    let compared = compared.transpose()?;
+    let is_reference = is_reference(args);
+    let compared = args.against.as_deref().filter(|_| !is_reference);
+    let compared = compared.map(|file| against(args, file)).transpose()?;
     let mut watch = FileWatch::new(WatchOptions {
         poll: args.poll.map(Duration::from_millis),
         ..WatchOptions::default()
@@ -51,6 +53,7 @@ pub fn run(args: &WatchArgs) -> anyhow::Result<ExitCode> {
     let mut watcher = Watcher {
         args,
         teller: Teller::new(args, compared),
+        is_reference,
         exec: args.exec.clone().map(|line| Exec::new(line, args.json)),
         session: None,
         told: None,
@@ -67,6 +70,12 @@ pub fn run(args: &WatchArgs) -> anyhow::Result<ExitCode> {
         let changes = watcher.wait(&mut watch)?;
         dependencies = watcher.follow(&mut watch, changes)?;
     }
+}
+
+/// Whether the word `reference` is meant, and no file of that name.
+fn is_reference(args: &WatchArgs) -> bool {
+    let is_word = |file: &Path| file == Path::new("reference") && !file.exists();
+    args.against.as_deref().is_some_and(is_word)
 }
 
 /// The picture that pictures are compared with.
@@ -104,6 +113,8 @@ struct Unsaved {
 struct Watcher<'a> {
     args: &'a WatchArgs,
     teller: Teller<'a>,
+    /// Whether pictures are compared with their truth.
+    is_reference: bool,
     exec: Option<Exec>,
     session: Option<Session>,
     /// The findings that were told last, until there is a picture of what the files say.
@@ -310,6 +321,7 @@ impl Watcher<'_> {
         }
         self.count += 1;
         let now = Instant::now();
+        self.look_up_truth();
         let saved = tell::Saved {
             picture: &picture,
             number: self.count,
@@ -322,6 +334,19 @@ impl Watcher<'_> {
             exec.start(output, self.count);
         }
         Ok(())
+    }
+
+    /// Hands the truth of what is drawn to the teller: computed once for a scene and view, whatever the shaders do.
+    fn look_up_truth(&mut self) {
+        let Some(session) = self.session.as_ref().filter(|_| self.is_reference) else {
+            return;
+        };
+        let bars = Bars::new();
+        let options = TruthOptions::default();
+        let truth = Truth::of(session.plan(), session.view(), &options, &Rows(&bars));
+        bars.clear();
+        let picture = truth.and_then(|truth| truth.picture());
+        self.teller.hold_against(picture);
     }
 
     /// Waits for a change, and looks meanwhile after the command that runs and the picture that is not saved.
