@@ -25,7 +25,7 @@ pub(super) fn of(node: &NodeContext<'_>, view: &View) -> Vec<SceneLimit> {
         return Vec::new();
     };
     let mut limits = Vec::new();
-    let is_surface = !matches!(scene.technique, Technique::VolumeRendering { .. });
+    let is_surface = matches!(scene.technique, Technique::Surfaces { .. });
     if has_kinks(&scene.field) {
         limits.push(SceneLimit {
             order: if is_surface { 1.5 } else { 2.0 },
@@ -34,10 +34,9 @@ pub(super) fn of(node: &NodeContext<'_>, view: &View) -> Vec<SceneLimit> {
                     .to_owned(),
         });
     }
-    match &scene.technique {
-        Technique::VolumeRendering { matter } => {
-            limits.extend(of_matter(matter, scene.field.range()));
-        }
+    if let Technique::VolumeRendering = scene.technique {
+        let matters = scene.looks.iter().filter_map(|look| look.matter.as_ref());
+        limits.extend(matters.filter_map(|matter| of_matter(matter, scene.field.range())));
     }
     limits
 }
