@@ -75,6 +75,8 @@ pub struct OrdersOptions {
     pub tolerance: f64,
     /// The order in the step to hold against, whatever is declared.
     pub expected: Option<f64>,
+    /// Choices of slots that the truth is computed with in the place of the user's own.
+    pub stands_for: Vec<(String, String)>,
     /// How the truth is computed.
     pub truth: TruthOptions,
 }
@@ -88,6 +90,7 @@ impl Default for OrdersOptions {
             highest_floor: 2e-5,
             tolerance: 0.15,
             expected: None,
+            stands_for: Vec::new(),
             truth: TruthOptions::default(),
         }
     }

@@ -37,6 +37,10 @@ pub struct VerifyArgs {
     /// Choose for a slot of every raycast: a name, or a path that ends in .wgsl; may be given again.
     #[arg(long, value_name = "SLOT=CHOICE", value_parser = parse_slot)]
     pub slot: Vec<(String, String)>,
+    /// What a choice of your own approximates: the truth is computed with this one in its place, such as technique=dvr.
+    /// Choices of `classify` all approximate one integral and need none. May be given again.
+    #[arg(long = "as", value_name = "SLOT=CHOICE", value_parser = parse_slot)]
+    pub stands_for: Vec<(String, String)>,
     /// The coarsest step in voxels; chosen by the volume's size where it is not given.
     #[arg(long, value_name = "STEP", value_parser = parse_step)]
     pub from: Option<f64>,

@@ -13,7 +13,7 @@ use volgraph_shader::ParamValue;
 
 use super::errors::Look;
 use super::step::{Course, draw, note_one_sided, truth};
-use super::{Against, Axis, OrdersOptions, Study, Target, Tell};
+use super::{Against, Axis, OrdersOptions, Study, Target, Tell, slot_settings};
 use crate::{ParamOverride, Session};
 
 /// Voxels along the longest side of the finest grid that is measured.
@@ -121,17 +121,18 @@ pub(super) fn study(
     let mut sets = dims(TRUTH << halvings);
     // The truth's grid is trilinear, whatever reconstructs the coarser ones.
     let trilinear = [("reconstruct".to_owned(), "trilinear".to_owned())];
-    sets.extend(super::slot_settings(session.scene(), &trilinear));
-    let finest = draw(session, sets)?;
-    let against = match truth(session, options, tell)? {
+    sets.extend(slot_settings(session.scene(), &trilinear));
+    let against = match truth(session, sets.clone(), options, tell)? {
         Ok(rendered) => {
             course.truth = Some(Look::from(&rendered));
             Against::Reference
         }
         Err(because) => {
-            course.truth = Some(Look::from(&finest));
+            course.truth = Some(Look::from(&draw(session, sets)?));
             Against::Next {
-                because: format!("{because}; the picture of the finest grid stands in for it"),
+                because: format!(
+                    "{because}; the picture of a grid {TRUTH} times finer stands in for it"
+                ),
             }
         }
     };

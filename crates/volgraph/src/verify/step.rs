@@ -8,8 +8,10 @@ use volgraph_report::Findings;
 use super::errors::{Look, Measured};
 use super::{
     Against, Axis, Declared, OrdersOptions, Quantity, SceneLimit, Study, Target, Tell, Verdict,
+    slot_settings,
 };
-use crate::{Change, Outcome, ParamOverride, Session, Truth};
+use crate::truth::plan_without_device;
+use crate::{Change, NoProgress, Outcome, ParamOverride, Session, Truth};
 
 /// Of numbers in f32 as large as 1, after some hundred roundings.
 const ROUNDING: f64 = 1.5e-7;
@@ -39,13 +41,26 @@ impl Progress for Rows<'_> {
     }
 }
 
-/// The truth of what a session draws now, or what the reference does not compute.
+/// The truth of what a session draws now with some settings, or what the reference does not compute. However segments are classified and
+/// wherever they end, the integral is one: the truth is asked for with choices of these slots that the reference knows.
 pub(super) fn truth(
     session: &Session,
+    sets: Vec<ParamOverride>,
     options: &OrdersOptions,
     tell: Tell<'_>,
 ) -> Result<Result<Rendered, String>, Findings> {
-    match Truth::of(session.plan(), session.view(), &options.truth, &Rows(tell)) {
+    let known = [("classify", "post"), ("traverse", "uniform")];
+    let known = known.map(|(slot, choice)| (slot.to_owned(), choice.to_owned()));
+    let mut slots = known.to_vec();
+    slots.extend(options.stands_for.iter().cloned());
+    let scene = session.scene();
+    let mut overrides = scene.overrides.clone();
+    overrides.params.extend(slot_settings(scene, &slots));
+    overrides.params.extend(sets);
+    let scene = scene.with_overrides(&overrides, &NoProgress)?;
+    let view = session.view();
+    let plan = plan_without_device(&scene, view.size)?;
+    match Truth::of(&plan, view, &options.truth, &Rows(tell)) {
         Ok(truth) => Ok(Ok(truth.rendered)),
         Err(findings) => {
             let not_covered = (&findings)
@@ -156,7 +171,7 @@ pub(super) fn study(
     options: &OrdersOptions,
     tell: Tell<'_>,
 ) -> Result<Study, Findings> {
-    let truth = truth(session, options, tell)?;
+    let truth = truth(session, Vec::new(), options, tell)?;
     let declared = target.declared(session, Axis::Step, options)?;
     let limits = target.limits(session.plan(), session.view());
     let (least, most) = target.step_range;

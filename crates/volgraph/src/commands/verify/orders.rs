@@ -51,6 +51,7 @@ pub fn run(args: &VerifyArgs) -> anyhow::Result<ExitCode> {
         highest_floor: args.floor,
         tolerance: args.tolerance_order,
         expected: args.expect,
+        stands_for: args.stands_for.clone(),
         truth: args.truth.options(),
     };
     let session = SessionOptions {
