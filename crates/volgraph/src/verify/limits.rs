@@ -2,8 +2,8 @@
 //!
 //! A quadrature of order p needs as many derivatives along the ray. A trilinear field has none across the faces between
 //! its cells, nor a transfer function at its control points; where steps do not end there, a kink costs all methods but
-//! those that know of it the orders above 2, and a jump those above 1. The hit of a surface beside a kink is an order 1
-//! off: it is met in a share of the segments that goes like the step, and so the root mean square has order 1.5.
+//! those that know of it the orders above 2, and a jump those above 1. Hits of surfaces are found as precisely beside a
+//! kink, but for those in the few segments that have one.
 
 use serde::Serialize;
 use volgraph_graph::{NodeContext, View};
@@ -13,7 +13,7 @@ use volgraph_reference::{Field, Matter, Technique};
 /// What limits the order, and to what.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SceneLimit {
-    /// No method is seen to be of a higher order here.
+    /// Higher ones need not show here.
     pub order: f64,
     /// Why.
     pub because: String,
@@ -25,10 +25,9 @@ pub(super) fn of(node: &NodeContext<'_>, view: &View) -> Vec<SceneLimit> {
         return Vec::new();
     };
     let mut limits = Vec::new();
-    let is_surface = matches!(scene.technique, Technique::Surfaces { .. });
     if has_kinks(&scene.field) {
         limits.push(SceneLimit {
-            order: if is_surface { 1.5 } else { 2.0 },
+            order: 2.0,
             because:
                 "the field has kinks where rays cross from cell to cell, and steps do not end there"
                     .to_owned(),

@@ -46,10 +46,10 @@ impl Target {
     ///
     /// # Errors
     /// What is wrong with the graph; `no-step` where no raycast with a step makes the picture.
-    pub fn new(scene: Scene, slots: &[(String, String)]) -> Result<Self, Findings> {
+    pub fn new(scene: &Scene, slots: &[(String, String)]) -> Result<Self, Findings> {
         scene.check_color_output()?;
         let mut overrides = scene.overrides.clone();
-        overrides.params.extend(slot_settings(&scene, slots));
+        overrides.params.extend(slot_settings(scene, slots));
         let scene = scene.with_overrides(&overrides, &NoProgress)?;
         let plan = plan_without_device(&scene, [16, 16])?;
         let raycasts: Vec<&Node> = plan

@@ -225,7 +225,7 @@ fn what_limits_an_order_is_told_and_studies_are_drawn() {
     let run = scratch.run(&args);
     assert_eq!(run.code, Some(0), "{run:?}");
     for told in [
-        "no order above 2 is seen in this scene: the field has kinks",
+        "orders above 2 need not show in this scene: the field has kinks",
         "the grid is not halved: the transfer function's opacity is stated for voxels",
         "`classify post` declares 2: holds",
         "●",

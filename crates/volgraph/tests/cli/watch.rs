@@ -2,6 +2,7 @@
 //! becomes what a fresh `volgraph render` makes of the same files, bit for bit (EXR: f32 colour, opacity, depth).
 
 mod hazards;
+mod truth;
 
 use std::fs;
 use std::io::{BufRead, BufReader};

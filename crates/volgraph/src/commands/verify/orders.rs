@@ -43,7 +43,7 @@ pub fn run(args: &VerifyArgs) -> anyhow::Result<ExitCode> {
         tell_warnings(&args.scene, &scene);
     }
     let name = scene.path.display().to_string();
-    let target = Target::new(scene, &args.slot)?;
+    let target = Target::new(&scene, &args.slot)?;
     let options = OrdersOptions {
         axes: axes(args, &target.scene),
         from: args.from,
@@ -178,7 +178,7 @@ fn text(studies: &[Study], skipped: &[Skipped]) -> String {
         for limit in &study.limits {
             let _ = writeln!(
                 text,
-                "  note: no order above {} is seen in this scene: {}",
+                "  note: orders above {} need not show in this scene: {}",
                 limit.order, limit.because
             );
         }
@@ -234,7 +234,7 @@ fn verdict(quantity: &Quantity) -> String {
     };
     let here = match quantity.expected {
         Some(expected) if expected < declared.order => {
-            format!(", of which {expected} can be seen here")
+            format!(", of which this scene shows {expected}")
         }
         _ => String::new(),
     };

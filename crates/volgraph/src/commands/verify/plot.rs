@@ -34,12 +34,10 @@ pub fn text(convergence: &Convergence, unit: &str) -> String {
         let n = fitted.len() as f64;
         let x = fitted.iter().map(|it| it.0).sum::<f64>() / n;
         let y = fitted.iter().map(|it| it.1).sum::<f64>() / n;
-        for at in 0..COLUMNS {
-            let place = x0 + width * at as f64 / (COLUMNS - 1) as f64;
-            let line = row(y + order * (place - x));
-            if (0.0..ROWS as f64).contains(&line) {
-                cells[line as usize][at] = '·';
-            }
+        let place = |at: usize| x0 + width * at as f64 / (COLUMNS - 1) as f64;
+        let line = (0..COLUMNS).map(|at| (at, row(y + order * (place(at) - x))));
+        for (at, row) in line.filter(|(_, row)| (0.0..ROWS as f64).contains(row)) {
+            cells[row as usize][at] = '·';
         }
     }
     for (x, y, role) in &points {

@@ -110,7 +110,7 @@ fn axes(svg: &mut String, frame: &Frame, study: &Study) {
     let _ = writeln!(
         svg,
         "<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"none\" stroke=\"#444\"/>\
-         <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}, {}</text>\
+         <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{}, {} (hollow points are not fitted)</text>\
          <text transform=\"translate(16 {:.1}) rotate(-90)\" text-anchor=\"middle\">root mean square error</text>",
         right - left,
         bottom - top,
