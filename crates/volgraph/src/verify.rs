@@ -24,7 +24,7 @@ use crate::{Session, TruthOptions};
 pub use declared::Declared;
 pub use limits::SceneLimit;
 pub use stock::{STOCK, Stock, stock_for};
-pub use target::{Target, slot_settings};
+pub use target::{Target, integral_truth, slot_settings};
 
 /// What is halved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -5,6 +5,7 @@
 //! A change that is refused is given a moment: many editors save in two steps, and the second may mend what the first
 //! left half done. Only then is the diagnostic shown, once. A picture that cannot be saved is kept until it can.
 
+mod against;
 mod exec;
 mod tell;
 
@@ -14,8 +15,8 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use volgraph::{
-    Change, ChangedFile, Dependencies, Drawn, Finding, Findings, Outcome, Picture, Place, Session,
-    Truth, TruthOptions, embedded, registry,
+    Change, ChangedFile, Dependencies, Drawn, Findings, Outcome, Picture, Session, TruthOptions,
+    embedded, registry, verify::integral_truth,
 };
 use volgraph_graph::is_embedded;
 use volgraph_picture::SaveOptions;
@@ -43,9 +44,11 @@ const TICK: Duration = Duration::from_millis(50);
 
 pub fn run(args: &WatchArgs) -> anyhow::Result<ExitCode> {
     super::check_output(&args.output)?;
-    let is_reference = is_reference(args);
+    let is_reference = against::is_reference(args);
     let compared = args.against.as_deref().filter(|_| !is_reference);
-    let compared = compared.map(|file| against(args, file)).transpose()?;
+    let compared = compared
+        .map(|file| against::picture(args, file))
+        .transpose()?;
     let mut watch = FileWatch::new(WatchOptions {
         poll: args.poll.map(Duration::from_millis),
         ..WatchOptions::default()
@@ -70,31 +73,6 @@ pub fn run(args: &WatchArgs) -> anyhow::Result<ExitCode> {
         let changes = watcher.wait(&mut watch)?;
         dependencies = watcher.follow(&mut watch, changes)?;
     }
-}
-
-/// Whether the word `reference` is meant, and no file of that name.
-fn is_reference(args: &WatchArgs) -> bool {
-    let is_word = |file: &Path| file == Path::new("reference") && !file.exists();
-    args.against.as_deref().is_some_and(is_word)
-}
-
-/// The picture that pictures are compared with.
-fn against(args: &WatchArgs, file: &Path) -> Result<Picture, Findings> {
-    super::check_overwrites(&args.output, [file])?;
-    let picture = Picture::load(file).map_err(|error| errors::of_picture(&error, file))?;
-    let size = args.scene.size;
-    if [picture.width, picture.height] == size {
-        return Ok(picture);
-    }
-    let (width, height) = (picture.width, picture.height);
-    let message = format!(
-        "it has {width}x{height} pixels, and the pictures to compare with it {}x{}",
-        size[0], size[1]
-    );
-    Err(Finding::error("picture-sizes", message)
-        .at(Place::whole_file(file))
-        .help(format!("add `--size {width}x{height}`"))
-        .into())
 }
 
 struct Changes {
@@ -343,7 +321,7 @@ impl Watcher<'_> {
         };
         let bars = Bars::new();
         let options = TruthOptions::default();
-        let truth = Truth::of(session.plan(), session.view(), &options, &Rows(&bars));
+        let truth = integral_truth(session.scene(), session.view(), &[], &options, &Rows(&bars));
         bars.clear();
         let picture = truth.and_then(|truth| truth.picture());
         self.teller.hold_against(picture);

@@ -122,7 +122,7 @@ pub(super) fn study(
     // The truth's grid is trilinear, whatever reconstructs the coarser ones.
     let trilinear = [("reconstruct".to_owned(), "trilinear".to_owned())];
     sets.extend(slot_settings(session.scene(), &trilinear));
-    let against = match truth(session, sets.clone(), options, tell)? {
+    let against = match truth(session, &sets, options, tell)? {
         Ok(rendered) => {
             course.truth = Some(Look::from(&rendered));
             Against::Reference

@@ -8,10 +8,9 @@ use volgraph_report::Findings;
 use super::errors::{Look, Measured};
 use super::{
     Against, Axis, Declared, OrdersOptions, Quantity, SceneLimit, Study, Target, Tell, Verdict,
-    slot_settings,
+    integral_truth, slot_settings,
 };
-use crate::truth::plan_without_device;
-use crate::{Change, NoProgress, Outcome, ParamOverride, Session, Truth};
+use crate::{Change, Outcome, ParamOverride, Session};
 
 /// Of numbers in f32 as large as 1, after some hundred roundings.
 const ROUNDING: f64 = 1.5e-7;
@@ -41,26 +40,17 @@ impl Progress for Rows<'_> {
     }
 }
 
-/// The truth of what a session draws now with some settings, or what the reference does not compute. However segments are classified and
-/// wherever they end, the integral is one: the truth is asked for with choices of these slots that the reference knows.
+/// The truth of what a session draws now with some settings, or what the reference does not compute.
 pub(super) fn truth(
     session: &Session,
-    sets: Vec<ParamOverride>,
+    sets: &[ParamOverride],
     options: &OrdersOptions,
     tell: Tell<'_>,
 ) -> Result<Result<Rendered, String>, Findings> {
-    let known = [("classify", "post"), ("traverse", "uniform")];
-    let known = known.map(|(slot, choice)| (slot.to_owned(), choice.to_owned()));
-    let mut slots = known.to_vec();
-    slots.extend(options.stands_for.iter().cloned());
-    let scene = session.scene();
-    let mut overrides = scene.overrides.clone();
-    overrides.params.extend(slot_settings(scene, &slots));
-    overrides.params.extend(sets);
-    let scene = scene.with_overrides(&overrides, &NoProgress)?;
-    let view = session.view();
-    let plan = plan_without_device(&scene, view.size)?;
-    match Truth::of(&plan, view, &options.truth, &Rows(tell)) {
+    let (scene, view) = (session.scene(), session.view());
+    let mut settings = slot_settings(scene, &options.stands_for);
+    settings.extend(sets.iter().cloned());
+    match integral_truth(scene, view, &settings, &options.truth, &Rows(tell)) {
         Ok(truth) => Ok(Ok(truth.rendered)),
         Err(findings) => {
             let not_covered = (&findings)
@@ -171,7 +161,7 @@ pub(super) fn study(
     options: &OrdersOptions,
     tell: Tell<'_>,
 ) -> Result<Study, Findings> {
-    let truth = truth(session, Vec::new(), options, tell)?;
+    let truth = truth(session, &[], options, tell)?;
     let declared = target.declared(session, Axis::Step, options)?;
     let limits = target.limits(session.plan(), session.view());
     let (least, most) = target.step_range;

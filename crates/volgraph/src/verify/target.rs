@@ -1,13 +1,14 @@
 //! The graph whose orders are measured.
 
 use volgraph_graph::{Node, NodeId, Plan, View};
+use volgraph_reference::Progress;
 use volgraph_report::{Finding, Findings};
 
 use super::declared::{self, Declared};
 use super::limits::{self, SceneLimit};
 use super::{Axis, OrdersOptions};
 use crate::truth::plan_without_device;
-use crate::{NoProgress, Overrides, ParamOverride, Scene, Session};
+use crate::{NoProgress, Overrides, ParamOverride, Scene, Session, Truth, TruthOptions};
 
 /// A graph, ready to be measured.
 pub struct Target {
@@ -39,6 +40,28 @@ pub fn slot_settings(scene: &Scene, slots: &[(String, String)]) -> Vec<ParamOver
             })
         })
         .collect()
+}
+
+/// The truth of a scene in a view, with some settings. However segments are classified and wherever they end, what is
+/// approximated is one integral: choices of these slots that the reference does not know give way to those it knows.
+///
+/// # Errors
+/// As [`Truth::of`].
+pub fn integral_truth(
+    scene: &Scene,
+    view: &View,
+    settings: &[ParamOverride],
+    options: &TruthOptions,
+    progress: &dyn Progress,
+) -> Result<Truth, Findings> {
+    let known = [("classify", "post"), ("traverse", "uniform")];
+    let known = known.map(|(slot, choice)| (slot.to_owned(), choice.to_owned()));
+    let mut overrides = scene.overrides.clone();
+    overrides.params.extend(slot_settings(scene, &known));
+    overrides.params.extend(settings.iter().cloned());
+    let scene = scene.with_overrides(&overrides, &NoProgress)?;
+    let plan = plan_without_device(&scene, view.size)?;
+    Truth::of(&plan, view, options, progress)
 }
 
 impl Target {

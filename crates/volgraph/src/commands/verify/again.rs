@@ -13,10 +13,10 @@ use std::sync::Arc;
 
 use serde_json::json;
 use volgraph::recorded::Changed;
-use volgraph::truth::plan_without_device;
+use volgraph::verify::integral_truth;
 use volgraph::{
-    Finding, Findings, Picture, Place, Recorded, Session, SessionOptions, ShaderFolders, Truth,
-    TruthOptions,
+    Finding, Findings, Picture, Place, Recorded, Scene, Session, SessionOptions, ShaderFolders,
+    Truth, TruthOptions,
 };
 use volgraph_gpu::Gpu;
 use volgraph_measure::{Comparison, compare_without_flip};
@@ -59,7 +59,7 @@ pub fn run(args: &VerifyArgs) -> anyhow::Result<ExitCode> {
     let difference = Difference::of(&before, &after, &comparison, bits);
     let against = match &args.against {
         Some(_) => {
-            let truth = truth(&recorded, session.plan(), &args.truth.options())?;
+            let truth = truth(&recorded, session.scene(), &args.truth.options())?;
             Some(truth.compare(&before)?)
         }
         None => None,
@@ -271,13 +271,9 @@ fn text(
     text
 }
 
-fn truth(
-    recorded: &Recorded,
-    plan: &volgraph::Plan,
-    options: &TruthOptions,
-) -> Result<Truth, Findings> {
+fn truth(recorded: &Recorded, scene: &Scene, options: &TruthOptions) -> Result<Truth, Findings> {
     let bars = Bars::new();
-    let truth = Truth::of(plan, &recorded.view, options, &Rows(&bars));
+    let truth = integral_truth(scene, &recorded.view, &[], options, &Rows(&bars));
     bars.clear();
     truth
 }
@@ -288,8 +284,7 @@ pub fn recorded_truth(picture: &Picture, file: &Path) -> Result<Picture, Finding
     let bars = Bars::new();
     let scene = recorded.scene(&[], &ShaderFolders::default(), &bars);
     bars.clear();
-    let plan = plan_without_device(&scene?, recorded.view.size)?;
-    let mut picture = truth(&recorded, &plan, &TruthOptions::default())?.picture()?;
+    let mut picture = truth(&recorded, &scene?, &TruthOptions::default())?.picture()?;
     // PNGs hold neither.
     if extension(file) == "png" {
         picture.depth = None;
