@@ -221,6 +221,9 @@ fn what_limits_an_order_is_told_and_studies_are_drawn() {
     let args = [
         "verify",
         "graph.ron",
+        // Where rays end early, errors stand still at what is cut off: it is off, whatever is set.
+        "--set",
+        "image.early_termination=0.3",
         "--orders",
         "--svg",
         "plots",
