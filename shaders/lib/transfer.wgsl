@@ -6,16 +6,6 @@ fn transfer_at(scalar: f32) -> vec4f {
     return transfer_entry(scalar * transfer.entry_scale + transfer.entry_bias);
 }
 
-// Premultiplied colour and optical depth of a segment between two scalars, bilinear between table entries.
-fn transfer_between(front: f32, back: f32) -> vec4f {
-    return transfer_entries((vec2f(front, back) - transfer.low) * transfer.preintegration_per_scalar);
-}
-
-// The same of half a segment.
-fn transfer_half(front: f32, back: f32) -> vec4f {
-    return transfer_half_entries((vec2f(front, back) - transfer.low) * transfer.half_per_scalar);
-}
-
 // As `transfer_at`, linear between two entries: the nearest one is a floor under errors of quadratures of order 4.
 fn transfer_linear(scalar: f32) -> vec4f {
     let place = (scalar * transfer.entry_scale + transfer.entry_bias) * transfer.entries - 0.5;
@@ -44,4 +34,16 @@ fn transfer_mean(front: f32, back: f32) -> vec4f {
     let rest = transfer_integral(columns.y, 1) - transfer_integral(columns.x, 1);
     let inside = parts.y * transfer_integral(columns.y, 2) - parts.x * transfer_integral(columns.x, 2);
     return max((whole + (rest + inside)) / change, vec4f(0.0));
+}
+
+// Shares of a segment, of which the ends are so many entries from a table's first: before it enters the table, which
+// ends at `last`, within it, and behind it. Beyond the table its first and last entry hold.
+fn transfer_shares(ends: vec2f, last: f32) -> vec3f {
+    let inside = clamp(ends, vec2f(0.0), vec2f(last));
+    let way = abs(ends.y - ends.x);
+    if inside.x == inside.y || way <= 0.0 {
+        return vec3f(0.0, 1.0, 0.0);
+    }
+    let shares = vec2f(abs(inside.x - ends.x), abs(ends.y - inside.y)) / way;
+    return vec3f(shares.x, max(1.0 - shares.x - shares.y, 0.0), shares.y);
 }

@@ -268,7 +268,11 @@ fn named<'s>(value: &Value<'s>, what: &str, findings: &mut Findings) -> Vec<Entr
     entries
 }
 
-fn source(entry: &Entry<'_>) -> Result<SourceDesc, Findings> {
+/// Reads a source, such as `analytic(field: "sphere")`; it stands where its entry is named.
+///
+/// # Errors
+/// All findings, each with its place.
+pub fn source(entry: &Entry<'_>) -> Result<SourceDesc, Findings> {
     let (kind, entries) = entry.value.variant()?;
     let mut findings = Findings::new();
     let params = params(entries, &mut findings);

@@ -18,6 +18,8 @@ pub mod lit_preintegration;
 pub mod material_table;
 pub mod placement;
 pub mod preintegration;
+pub mod preintegration_3d;
+pub mod preintegration_pieces;
 pub mod proxy_box;
 pub mod raycast;
 pub mod reference;
@@ -49,6 +51,8 @@ pub fn registry() -> Registry {
         .add_node(preintegration::Preintegration::Whole)
         .add_node(preintegration::Preintegration::Half)
         .add_node(integral_table::IntegralTable)
+        .add_node(preintegration_3d::Preintegration3d)
+        .add_node(preintegration_pieces::PreintegrationPieces)
         .add_node(refraction_table::RefractionTable)
         .add_node(material_table::MaterialTable)
         .add_node(lit_preintegration::LitPreintegration::Material)

@@ -22,8 +22,8 @@ pub(crate) use self::walk::{MAX_SEGMENTS, check_walk, longest_ray, walk_slots};
 use crate::background::Background;
 use crate::source::segments::SegmentsSource;
 use crate::{
-    clip_volume, light_volume, lit_preintegration, placement, preintegration, proxy_box,
-    segmentation, transfer_table, volume_texture,
+    clip_volume, light_volume, lit_preintegration, placement, preintegration, preintegration_3d,
+    proxy_box, segmentation, transfer_table, volume_texture,
 };
 
 /// The node kind `raycast`.
@@ -84,9 +84,13 @@ impl NodeKind for Raycast {
             clip_volume::storage_param(),
             transfer_table::size_param(),
             preintegration::size_param(),
+            preintegration::built_on_param(),
             label_boundary,
             label_placement,
         ]
+        .into_iter()
+        .chain(preintegration_3d::params())
+        .collect()
     }
 
     fn slots(&self) -> &[SlotSpec] {
@@ -100,6 +104,7 @@ impl NodeKind for Raycast {
             "transfer",
             "transfers",
             "lit_tables",
+            "preintegration_3d",
             "segmentation",
             "tile",
             "light_grid",
@@ -188,6 +193,7 @@ impl NodeKind for Raycast {
                 light_volume::uniform(node, &node.writer("light_volume").unwrap_or(*node))
             }
             "lit_tables" => lit_preintegration::uniform(node),
+            "preintegration_3d" => preintegration_3d::uniform(node),
             _ => Ok(vec![(
                 "first",
                 UniformValue::UVec2(tile(node)?.map_or([0; 2], |tile| [tile[0], tile[1]])),

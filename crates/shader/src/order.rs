@@ -219,7 +219,7 @@ mod tests {
             "// @order 2 3",
         ] {
             let findings = orders(&format!("// What it does.\n{line}\n")).unwrap_err();
-            let finding = findings.iter().next().unwrap();
+            let finding = findings.sorted()[0];
             assert_eq!(finding.code, "order-doc", "{line}");
             assert_eq!(finding.place.as_ref().unwrap().line, 2, "{line}");
         }

@@ -8,15 +8,29 @@
 #import "lib/transfer.wgsl"
 #import slot "reconstruct"
 
-// Premultiplied colour and depth of half a segment whose scalar runs straight.
+// Premultiplied colour and depth of half a segment whose scalar runs straight. What leaves the table is cut there.
 fn second_order_half(front: f32, back: f32, part: f32) -> vec4f {
-    let entry = transfer_half(front, back);
+    let ends = (vec2f(front, back) - transfer.low) * transfer.half_per_scalar;
+    let inside = clamp(ends, vec2f(0.0), vec2f(transfer.half_last));
+    if all(inside == ends) {
+        return second_order_within(inside, part);
+    }
+    let parts = transfer_shares(ends, transfer.half_last) * part;
+    let before = second_order_within(inside.xx, parts.x);
+    let between = second_order_within(inside, parts.y);
+    let behind = second_order_within(inside.yy, parts.z);
+    let rest = vec4f(between.xyz + exp(-between.w) * behind.xyz, between.w + behind.w);
+    return vec4f(before.xyz + exp(-before.w) * rest.xyz, before.w + rest.w);
+}
+
+fn second_order_within(ends: vec2f, part: f32) -> vec4f {
+    let entry = transfer_half_entries(ends);
     if abs(part - 1.0) < 1.0e-4 {
         return entry;
     }
     // The table is made for one length. With the same run backwards there are two facts, what is emitted and on which side
     // more of it; each is seen through the other depth. What that misses is of the fifth order in the length.
-    let other = transfer_half(back, front);
+    let other = transfer_half_entries(ends.yx);
     let depth = entry.w * part;
     let opacity = max(1.0 - exp(-entry.w), 1.0e-12);
     let share = select(part, (1.0 - exp(-depth)) / opacity, entry.w > 1.0e-4);

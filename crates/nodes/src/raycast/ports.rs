@@ -140,7 +140,7 @@ pub(super) const INPUTS: &[InputPort] = &[
         requirement: Requirement::Demanded(Demand {
             kind: "preintegration_half",
             inputs: &[("transfer", "transfer"), ("volume", "volume")],
-            params: preintegration::DEMANDED_PARAMS,
+            params: preintegration::DEMANDED_PARAMS_OF_HALVES,
             slots: &[],
         }),
         doc: "The transfer function integrated over halves of segments.",
@@ -155,6 +155,22 @@ pub(super) const INPUTS: &[InputPort] = &[
             slots: &[],
         }),
         doc: "The transfer function's integrals over the scalar.",
+    },
+    InputPort {
+        name: "preintegration_3d_table",
+        ty: PortType::Table3d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "preintegration_3d",
+            inputs: &[("transfer", "transfer"), ("volume", "volume")],
+            params: &[
+                ("step", "step"),
+                ("preintegration_3d_size", "preintegration_3d_size"),
+                ("preintegration_3d_layers", "preintegration_3d_layers"),
+                ("preintegration_3d_longest", "preintegration_3d_longest"),
+            ],
+            slots: &[],
+        }),
+        doc: "The transfer function integrated over segments of all lengths.",
     },
     InputPort {
         name: "label_texture",
@@ -203,7 +219,7 @@ pub(super) const INPUTS: &[InputPort] = &[
                 ("segments", "segments"),
                 ("volume", "volume"),
             ],
-            params: preintegration::DEMANDED_PARAMS,
+            params: preintegration::DEMANDED_PARAMS_OF_HALVES,
             slots: &[],
         }),
         doc: "The transfer functions of all labels integrated over halves of segments.",

@@ -17,6 +17,7 @@ pub(super) fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
         ("transfer_table", "table_size"),
         ("refraction_table", "table_size"),
         ("preintegration_table", "preintegration_size"),
+        ("preintegration_3d_table", "preintegration_3d_layers"),
         ("material_table", "table_size"),
         ("material_preintegration_table", "preintegration_size"),
         ("material_moments_table", "preintegration_size"),

@@ -37,7 +37,7 @@ impl TransferFunction {
     pub fn integral_table(&self, columns: u32) -> Result<IntegralTable, OpticsError> {
         PostTable::check_size(columns, "integral")?;
         let count = IntegralTable::cells(columns);
-        let cells = Cells::integrate(self, count + 1);
+        let cells = Cells::integrate(self, count + 1, 0.0, 0.0);
         let (lo, hi) = self.range();
         let beyond = |s: f64| {
             let extinction = self.extinction(s);
@@ -87,10 +87,10 @@ mod tests {
 
     #[test]
     fn means_between_entries_are_those_of_fine_sums() {
-        // A step, a narrow peak, and opacities up to the cap.
+        // A step, and a peak of a tenth of an entry. Opacity 1 has a pole that sums of midpoints do not get right.
         let text = "(points: [(at: 0, color: (1, 0, 0), opacity: 0.1), (at: 0.3, color: (0, 1, 0.5), opacity: 0.1),
             (at: 0.3, color: (0, 0, 1), opacity: 0.9), (at: 0.5, color: (1, 1, 1), opacity: 0),
-            (at: 0.6, color: (0.2, 0.1, 0.7), opacity: 0), (at: 0.6001, color: (1, 0.3, 0), opacity: 1),
+            (at: 0.6, color: (0.2, 0.1, 0.7), opacity: 0), (at: 0.6001, color: (1, 0.3, 0), opacity: 0.99),
             (at: 0.6002, color: (1, 1, 1), opacity: 0), (at: 1, color: (0, 0, 0), opacity: 0.5)])";
         let transfer = TransferFunction::parse(Path::new("t.ron"), text).unwrap();
         let table = transfer.integral_table(1026).unwrap();
