@@ -31,6 +31,7 @@ const CASES: &[Case] = &[
     case(&["--slot", "classify=FOLDER/ends.wgsl"], COLOR, 1.0),
     case(&["--slot", "classify=preintegrated_2d"], COLOR, 2.0),
     case(&["--slot", "classify=FOLDER/unattenuated.wgsl"], COLOR, 1.0),
+    case(&["--slot", "classify=preintegrated_3d"], COLOR, 2.0),
     case(&["--slot", "classify=integral_1d"], COLOR, 2.0),
     case(&["--slot", "classify=gauss2"], COLOR, 4.0),
     case(&["--slot", "classify=simpson"], COLOR, 4.0),
