@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod authors;
+mod verify;
 
 use std::path::PathBuf;
 
@@ -11,6 +12,7 @@ use volgraph_volume::ScalarType;
 
 pub use accuracy::ReferenceArgs;
 pub use authors::{GalleryArgs, GraphsArgs, NewArgs, NewSlot, TestArgs};
+pub use verify::{STOCK, VerifyArgs};
 
 /// Draws volumes with WGSL shaders that plug into a render graph, and says how wrong each picture is.
 #[derive(Parser, Debug)]
@@ -28,6 +30,11 @@ pub enum Command {
     Render(RenderArgs),
     /// Compute what a graph's picture should be, in float64 on the processor; no adapter is needed.
     Reference(ReferenceArgs),
+    /// Measure a graph's orders of convergence and hold them against what its slots declare; or render a picture again from
+    /// its metadata and compare.
+    ///
+    /// Exit code 1 means that an order is below the declared one, or that the picture differs.
+    Verify(VerifyArgs),
     /// Print what a graph comes to: nodes, bindings, sizes, memory, conventions.
     Plan(PlanArgs),
     /// Check shaders, graphs, transfer functions and test cases, without a GPU; folders are searched.
@@ -265,7 +272,7 @@ pub struct LinkArgs {
 pub struct CompareArgs {
     /// A picture.
     pub a: PathBuf,
-    /// The picture that it is held against.
+    /// The picture that it is held against; or the word `reference`, for the truth of A as its metadata tells it.
     pub b: PathBuf,
     /// Exit with 1 where the root mean square error is larger.
     #[arg(long, value_name = "ERROR", value_parser = parse_bound)]
@@ -338,8 +345,8 @@ pub struct WatchArgs {
     /// While it runs, newer pictures wait; the last of them is next.
     #[arg(long, value_name = "COMMAND")]
     pub exec: Option<String>,
-    /// Print how far each picture is from this one, instead of from the last.
-    #[arg(long, value_name = "PICTURE")]
+    /// Print how far each picture is from this one, instead of from the last; or from its truth, with the word `reference`.
+    #[arg(long, value_name = "PICTURE | reference")]
     pub against: Option<PathBuf>,
     /// Look at the files every so many milliseconds, instead of being told by the system.
     #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u64).range(1..=3_600_000))]

@@ -16,6 +16,7 @@ mod reference;
 mod render;
 mod shader_tree;
 mod test;
+mod verify;
 mod watch;
 mod write;
 
@@ -35,6 +36,7 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
     match command {
         Command::Render(args) => render::run(&args),
         Command::Reference(args) => reference::run(&args),
+        Command::Verify(args) => verify::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),
