@@ -7,14 +7,13 @@
 use std::path::Path;
 
 use naga::valid::Capabilities;
-use volgraph_graph::{Node, NodeId, Plan, Registry};
+use volgraph_graph::{Node, NodeId, NodeKind, Plan, Registry, ResourceKind};
 use volgraph_nodes::raycast::Raycast;
 use volgraph_report::{Finding, Findings, Place, did_you_mean, list_names};
 use volgraph_shader::{ParamSpec, ParamType, ParamValue, ShaderRoots, check_file};
 
 use super::filter::{Filter, Wanted};
 use super::measurement::{Method, Setting};
-use volgraph_graph::NodeKind;
 
 /// Slots whose choices approximate one picture.
 const METHOD_SLOTS: [&str; 5] = [
@@ -94,10 +93,16 @@ impl MethodSpace {
         registry: &Registry,
         filters: &[Filter],
     ) -> Result<Self, Findings> {
-        let node = &plan.graph.nodes[raycast_node(plan)?];
+        let id = raycast_node(plan)?;
+        let node = &plan.graph.nodes[id];
         let mut specs = node.specs();
         specs.extend(specs_of_choices(roots, registry, &specs));
-        let offered = Offered { node, roots, specs };
+        let offered = Offered {
+            plan,
+            node,
+            roots,
+            specs,
+        };
         let mut findings = Findings::new();
         let mut axes = offered.axes();
         for filter in filters {
@@ -220,6 +225,7 @@ fn specs_of_choices(
 
 /// What a node offers.
 struct Offered<'p> {
+    plan: &'p Plan,
     node: &'p Node,
     roots: &'p ShaderRoots,
     specs: Vec<ParamSpec>,
@@ -267,7 +273,22 @@ impl Offered<'_> {
             let own = self.node.slots.get(name)?;
             return Some(ParamValue::Text(own.choice.clone()));
         }
-        self.node.params.get(name).cloned()
+        match self.node.params.get(name)? {
+            ParamValue::Text(text) if text == AUTO => self.format(name).map(ParamValue::Text),
+            value => Some(value.clone()),
+        }
+    }
+
+    /// The storage that the plan chose where the graph leaves it open: the format of the texture that the parameter
+    /// `<what>_storage` is about.
+    fn format(&self, name: &str) -> Option<String> {
+        let texture = format!("{}_texture", name.strip_suffix("_storage")?);
+        let writer = self.node.inputs.get(&texture)?;
+        let written = (writer.node, writer.port.clone());
+        match self.plan.resources.get(&written)? {
+            ResourceKind::Texture { format, .. } => Some(format!("{format:?}").to_lowercase()),
+            ResourceKind::Buffer { .. } => None,
+        }
     }
 
     /// The choices of a slot, with the graph's own, which may be a file of the user's.

@@ -107,6 +107,17 @@ pub struct Survey {
     pub seconds: f64,
 }
 
+impl Survey {
+    /// The fastest method whose root mean squared error is at most this; none where all are worse.
+    #[must_use]
+    pub fn fastest_within(&self, rmse: f64) -> Option<&Measurement> {
+        let measured = self.measured.iter();
+        measured
+            .filter(|it| it.errors.rmse <= rmse)
+            .min_by(|a, b| a.steady_ms.total_cmp(&b.steady_ms))
+    }
+}
+
 /// Times of one frame after the other.
 type Times = Result<Vec<f64>, Findings>;
 

@@ -198,6 +198,15 @@ fn a_whole_space_is_measured_and_drift_cancels() {
         .collect();
     assert_eq!(front.len(), 4, "{front:?}");
     assert!(front.iter().all(|method| method.ends_with("bad=1.0")));
+    // A bound on the error is met by the longest step that does; a bound that nothing meets by none.
+    let fastest = |rmse: f64| {
+        survey
+            .fastest_within(rmse)
+            .map(|it| Fake::value(&it.method, "step"))
+    };
+    assert_eq!(fastest(1e-3), Some(1.0));
+    assert_eq!(fastest(5e-3), Some(2.0));
+    assert_eq!(fastest(1e-5), None);
     // What is on the front was timed for longer.
     let rounds = options.rounds as usize;
     for measured in survey.measured.iter().skip(1) {
@@ -359,7 +368,10 @@ fn the_space_of_a_plan_has_what_its_raycast_offers() {
         .collect();
     assert_eq!(stages, ["fragment", "compute"]);
     assert_eq!(axis("step").unwrap().values.len(), 5);
-    assert_eq!(space.method(&space.base()).text("step"), "1.0");
+    let base = space.method(&space.base());
+    assert_eq!(base.text("step"), "1.0");
+    // Bytes are exact in half floats, and that is what the graph's `auto` comes to.
+    assert_eq!(base.text("volume_storage"), "r16float");
 
     let narrow = of("classify=post step=0.5,2 reconstruct=trilinear stage=compute volume_storage=r8unorm early_termination=0 table_size=1024,2048").unwrap();
     assert_eq!(narrow.len(), 4);

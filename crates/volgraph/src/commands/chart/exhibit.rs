@@ -69,6 +69,14 @@ impl Metric {
     }
 }
 
+/// A value as people read it: numbers with at most two digits that are not 0 behind the first.
+pub fn short(value: &str) -> String {
+    match value.parse::<f64>() {
+        Ok(number) if value.len() > 6 => format!("{number:.2e}"),
+        _ => value.strip_suffix(".0").unwrap_or(value).to_owned(),
+    }
+}
+
 /// A peer, and the fastest method that is faster and more accurate, with its picture rounded to 8 bits like the peer's.
 pub struct Beaten<'e> {
     pub peer: &'e Peer,
@@ -108,11 +116,8 @@ impl Exhibit {
 
     /// A method by its values on the axes that are given.
     pub fn label(&self, measured: &Measurement, axes: &[&str]) -> String {
-        let values = axes.iter().map(|axis| measured.method.text(axis));
-        values
-            .map(|value| value.strip_suffix(".0").unwrap_or(&value).to_owned())
-            .collect::<Vec<_>>()
-            .join(" · ")
+        let values = axes.iter().map(|axis| short(&measured.method.text(axis)));
+        values.collect::<Vec<_>>().join(" · ")
     }
 
     /// The peers against the methods.

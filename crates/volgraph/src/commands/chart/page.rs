@@ -6,7 +6,7 @@ use volgraph::Findings;
 use volgraph::methods::{FINE_STEP, Measurement, TruthKind};
 use volgraph_graph::print::CONVENTIONS;
 
-use super::exhibit::{Exhibit, Metric};
+use super::exhibit::{Exhibit, Metric, short};
 use super::pictures::map_colors;
 use super::plot::{self, Plot};
 
@@ -33,6 +33,9 @@ pub fn of(exhibit: &Exhibit) -> Result<String, Findings> {
             div class="card chart" {
                 (PreEscaped(with_hits(&plot)))
                 (legend(exhibit, &plot))
+                h2 { "The front" }
+                p class="soft" { "No other method is both faster and more accurate. Errors: 1 is white." }
+                div class="wide" { (table(exhibit, &front)) }
             }
             div class="card pictures" {
                 div id="what" {}
@@ -48,9 +51,6 @@ pub fn of(exhibit: &Exhibit) -> Result<String, Findings> {
             }
         }
         (peers(exhibit))
-        h2 { "The front" }
-        p class="soft" { "No other method is both faster and more accurate." }
-        div class="wide" { (table(exhibit, &front)) }
         (refused(exhibit))
         details {
             summary { h2 style="display: inline" { "All methods" } }
@@ -147,22 +147,23 @@ fn point(exhibit: &Exhibit, measured: &Measurement, axes: &[&str]) -> Value {
     let (errors, time) = (&measured.errors, &measured.time_ms);
     let settings = axes
         .iter()
-        .map(|axis| [(*axis).to_owned(), measured.method.text(axis)]);
+        .map(|axis| [axis.replace('_', " "), short(&measured.method.text(axis))]);
     let figures = [
         ("time", format!("{:.2} ms", measured.steady_ms)),
         (
-            "frames",
-            format!("{:.2} to {:.2} ms, {} of them", time.min, time.max, time.n),
+            "least, most",
+            format!("{:.1}, {:.1} ms", time.min, time.max),
         ),
+        ("frames", time.n.to_string()),
         (
             "to the graph's own",
             format!("× {:.3}", measured.ratio.median),
         ),
         ("rmse", error(errors.rmse)),
         ("maximum", error(errors.max)),
-        ("99.9th percentile", error(errors.p999)),
+        ("99.9 %", error(errors.p999)),
         ("core, 8-bit steps", error(errors.core_rmse * 255.0)),
-        ("the same in 8 bits", error(errors.core_rmse_8bit * 255.0)),
+        ("core, in 8 bits", error(errors.core_rmse_8bit * 255.0)),
     ];
     let figures = figures.map(|(name, value)| [name.to_owned(), value]);
     let rows: Vec<[String; 2]> = settings.chain(figures).collect();
@@ -194,14 +195,14 @@ fn table(exhibit: &Exhibit, which: &[usize]) -> Markup {
     html! {
         table {
             tr {
-                @for axis in &axes { th { (axis) } }
+                @for axis in &axes { th { (axis.replace('_', " ")) } }
                 th class="n" { "ms" } th class="n" { "least" } th class="n" { "most" } th class="n" { "frames" }
                 th class="n" { "ratio" } th class="n" { "rmse" } th class="n" { "max" } th class="n" { "p99.9" }
                 th class="n" { "core steps" } th class="n" { "in 8 bits" }
             }
             @for measured in which.iter().map(|at| &exhibit.survey.measured[*at]) {
                 tr {
-                    @for axis in &axes { td { (measured.method.text(axis)) } }
+                    @for axis in &axes { td { (short(&measured.method.text(axis))) } }
                     td class="n" { (format!("{:.2}", measured.steady_ms)) }
                     td class="n" { (format!("{:.2}", measured.time_ms.min)) }
                     td class="n" { (format!("{:.2}", measured.time_ms.max)) }

@@ -183,7 +183,7 @@ fn plotted(exhibit: &Exhibit) -> Result<Plot, Box<dyn std::error::Error>> {
             INK.mix(0.45).stroke_width(1),
         )])?;
         for i in (0..measured.len()).filter(|i| !front.contains(i)) {
-            chart.draw_series([Circle::new(at(i), 4, color(i).mix(0.45).filled())])?;
+            chart.draw_series([Circle::new(at(i), 4, color(i).mix(0.6).filled())])?;
         }
         for i in &front {
             chart.draw_series([Circle::new(at(*i), 6, color(*i).filled())])?;
