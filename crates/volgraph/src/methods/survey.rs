@@ -231,7 +231,7 @@ struct Run<'r, S: Stand> {
 
 impl<S: Stand> Run<'_, S> {
     fn is_over(&self, share: f64) -> bool {
-        self.stand.seconds() > share * self.options.seconds
+        self.stand.seconds() >= share * self.options.seconds
     }
 
     fn refuse(&mut self, at: &[usize], findings: &Findings) {

@@ -174,7 +174,7 @@ fn a_whole_space_is_measured_and_drift_cancels() {
     assert!(survey.refused.iter().all(|(method, why)| {
         Fake::value(method, "bad") == 3.0 && why.starts_with("bad-step: too long")
     }));
-    // The machine slowed down by tens of percent on the way, and ratios do not show it: two frames of one round are at
+    // The machine slowed down by several percent on the way, and ratios do not show it: two frames of one round are at
     // most 0.2 s apart.
     for measured in &survey.measured {
         let expected = 1.0 / Fake::value(&measured.method, "step");
@@ -186,7 +186,7 @@ fn a_whole_space_is_measured_and_drift_cancels() {
         );
     }
     assert!(
-        survey.base_ms.max / survey.base_ms.min > 1.1,
+        survey.base_ms.max / survey.base_ms.min > 1.05,
         "{:?}",
         survey.base_ms
     );
