@@ -9,6 +9,8 @@ mod page;
 mod pictures;
 mod plot;
 mod table;
+#[cfg(test)]
+mod tests;
 mod truth;
 
 use std::fs;

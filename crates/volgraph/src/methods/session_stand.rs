@@ -11,7 +11,7 @@ use volgraph_report::Findings;
 
 use super::accuracy::Errors;
 use super::measurement::Method;
-use super::survey::Stand;
+use super::stand::Stand;
 use super::yardstick::Yardstick;
 use crate::scene::{NoProgress, Scene};
 use crate::session::{Session, SessionOptions};

@@ -132,8 +132,9 @@ fn plotted(exhibit: &Exhibit) -> Result<Plot, Box<dyn std::error::Error>> {
     let peers = exhibit.peers.iter().map(|peer| peer.core_rmse_8bit_steps);
     let times = measured.iter().map(|it| it.steady_ms);
     let peer_times = exhibit.peers.iter().map(|peer| peer.median_ms);
-    // Labels are left of the front.
-    let x = Decades::around(times.chain(peer_times), (0.24, 0.08));
+    // Labels are left of the front, and right of peers.
+    let right = if exhibit.peers.is_empty() { 0.08 } else { 0.24 };
+    let x = Decades::around(times.chain(peer_times), (0.24, right));
     let y = Decades::around(errors.chain(rounded).chain(peers), (0.12, 0.07));
     let (group, colors) = groups(exhibit);
 
