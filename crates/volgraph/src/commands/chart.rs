@@ -53,19 +53,19 @@ pub fn run(args: &ChartArgs) -> anyhow::Result<ExitCode> {
     for (graph, name) in args.graphs.iter().zip(names) {
         let exhibit = measure(args, graph, name, &gpu, peers.as_ref())?;
         exhibit.write(&args.output)?;
+        let page = if args.graphs.len() == 1 {
+            "index.html".to_owned()
+        } else {
+            format!("{}.html", exhibit.name)
+        };
+        write(&args.output.join(page), &page::of(&exhibit)?)?;
         if !args.json {
             output::print(&exhibit.to_text());
         }
         exhibits.push(exhibit);
     }
     let index = args.output.join("index.html");
-    if let [only] = exhibits.as_slice() {
-        write(&index, &page::of(only)?)?;
-    } else {
-        for exhibit in &exhibits {
-            let file = args.output.join(format!("{}.html", exhibit.name));
-            write(&file, &page::of(exhibit)?)?;
-        }
+    if exhibits.len() > 1 {
         write(&index, &page::index(&exhibits)?)?;
     }
     if args.json {
