@@ -15,7 +15,10 @@ fn exhibit() -> Exhibit {
         axes: vec![Axis {
             name: "step".to_owned(),
             is_slot: false,
-            values: vec![ParamValue::Float(1.0), ParamValue::Float(0.5)],
+            values: vec![
+                ParamValue::Float(1.0),
+                ParamValue::Text("</script>".to_owned()),
+            ],
             base: 0,
         }],
     };
