@@ -186,20 +186,18 @@ fn tables_of_peers_are_read_and_matched_with_their_scene() {
 #[test]
 fn errors_are_of_all_pixels_and_of_the_core() {
     let picture = |colors: Vec<[f32; 4]>| crate::Picture::from_color(2, 1, colors).unwrap();
-    let truth = picture(vec![[0.5, 0.5, 0.5, 1.0], [0.0; 4]]);
-    let drawn = picture(vec![[0.501, 0.5, 0.6, 1.0], [0.0, 0.0, 0.0, 0.2]]);
+    let truth = picture(vec![[0.4, 0.4, 0.5, 1.0], [0.0; 4]]);
+    let drawn = picture(vec![[0.403, 0.4, 0.6, 1.0], [0.0, 0.0, 0.0, 0.2]]);
     let errors = errors(&drawn, &truth, &[true, false]).unwrap();
     let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-7, "{a} is not {b}");
-    close(errors.rmse, ((1e-6 + 0.01 + 0.04) / 8.0_f64).sqrt());
+    close(errors.rmse, ((9e-6 + 0.01 + 0.04) / 8.0_f64).sqrt());
     close(errors.max, 0.2);
     close(errors.p999, 0.2);
-    close(errors.core_rmse, ((1e-6 + 0.01) / 3.0_f64).sqrt());
-    // 0.501 is 127.755 of 255 and becomes 128, like 0.5; 0.6 becomes 153.
-    let [low, high] = [128.0 / 255.0 - 0.5, 153.0 / 255.0 - 0.5];
-    close(
-        errors.core_rmse_8bit,
-        ((2.0 * low * low + high * high) / 3.0_f64).sqrt(),
-    );
+    close(errors.core_rmse, ((9e-6 + 0.01) / 3.0_f64).sqrt());
+    // 0.403 is 102.765 of 255 and becomes 103; 0.4 is 102, and 0.6 is 153.
+    let step = 1.0 / 255.0;
+    let rounded = ((step * step + 0.01) / 3.0_f64).sqrt();
+    close(errors.core_rmse_8bit, rounded);
 }
 
 #[test]
