@@ -20,6 +20,7 @@ pub mod case;
 mod dependencies;
 pub mod embedded;
 pub mod metadata;
+pub mod methods;
 mod overrides;
 pub mod recorded;
 mod scene;
