@@ -6,6 +6,7 @@ mod accuracy;
 mod agreement;
 mod clips;
 mod closed_forms;
+mod differences;
 mod exhaustion;
 mod glass;
 mod hazards;

@@ -144,7 +144,7 @@ pub(crate) fn choose(
         asked: choice
             .0
             .as_ref()
-            .map_or_else(String::new, |words| format!("fits `{words}`")),
+            .map_or_else(String::new, |words| format!(" fits `{words}`")),
         found: if found.is_empty() {
             "none at all".to_owned()
         } else {

@@ -6,7 +6,7 @@ use volgraph_report::{Finding, Findings};
 #[derive(Debug, thiserror::Error)]
 pub enum GpuError {
     /// No adapter fits what was asked for.
-    #[error("no adapter {asked}; found: {found}{}", NO_ADAPTER_HELP)]
+    #[error("no adapter{asked}; found: {found}{}", NO_ADAPTER_HELP)]
     NoAdapter {
         /// What was asked for.
         asked: String,

@@ -6,6 +6,7 @@
 
 pub mod background;
 pub(crate) mod clip_volume;
+pub mod difference;
 pub mod encoding;
 pub mod false_color;
 pub mod gradient;
@@ -53,6 +54,7 @@ pub fn registry() -> Registry {
         .add_node(image_texture::ImageTexture)
         .add_node(light_volume::LightVolume)
         .add_node(false_color::FalseColor)
+        .add_node(difference::Difference)
         .add_node(reference::Reference);
     registry
 }

@@ -37,7 +37,7 @@ pub fn tolerance_param() -> ParamSpec {
         DEFAULT_TOLERANCE,
         "Absolute tolerance of linear premultiplied colours.",
     )
-    .range(1e-12, 1.0)
+    .range(1e-10, 1.0)
 }
 
 impl NodeKind for Reference {

@@ -7,11 +7,15 @@
 
 use std::sync::OnceLock;
 
+use crate::field::Cubic;
+
 /// Points of the rule.
 const POINTS: usize = 7;
 
-/// A piece is halved at most so often; what is left then counts as error.
+/// A part of a piece is halved at most so often, and a piece has at most so many parts: rounding sets an end to what
+/// halving gains. What is left then counts as error.
 const MAX_HALVINGS: u32 = 40;
+const MAX_PARTS: u32 = 4096;
 
 struct Rule {
     /// In -1..1.
@@ -115,38 +119,44 @@ impl Light {
         }
     }
 
-    /// Adds what lies between the distances `from` and `to`; `matter` gives linear colour and extinction per world unit
-    /// at a distance, and is smooth between them. The error is at most `allowance` per world unit.
+    /// Adds what lies between the parameters `from` and `to` of a cubic; `matter` gives linear colour and extinction per
+    /// world unit at a parameter, and is smooth between them. The error is at most `allowance` per world unit.
     pub fn piece(
         &mut self,
+        cubic: &Cubic,
         (from, to): (f64, f64),
         allowance: f64,
         matter: impl Fn(f64) -> ([f64; 3], f64),
     ) {
+        let length = cubic.end - cubic.start;
         // Parts still to do, the next one last: (start, end, halvings).
         let mut open = [(0.0, 0.0, 0_u32); MAX_HALVINGS as usize + 2];
         open[0] = (from, to, 0);
         let mut count = 1;
+        let mut parts = 0;
         while count > 0 {
             count -= 1;
+            parts += 1;
             let (start, end, halvings) = open[count];
-            let part = Part::new(start, end, &matter);
+            let part = Part::new(start, end, length, &matter);
             let error = self.transmittance * part.error;
-            if error > allowance * (end - start) && halvings < MAX_HALVINGS {
+            let is_over = error > allowance * (end - start) * length;
+            if is_over && halvings < MAX_HALVINGS && parts < MAX_PARTS {
                 let middle = 0.5 * (start + end);
                 open[count] = (middle, end, halvings + 1);
                 open[count + 1] = (start, middle, halvings + 1);
                 count += 2;
                 continue;
             }
-            self.add(&part, error);
+            self.add(cubic, &part, error);
         }
     }
 
-    fn add(&mut self, part: &Part, error: f64) {
+    fn add(&mut self, cubic: &Cubic, part: &Part, error: f64) {
         let after = self.transmittance * (-part.depth).exp();
         if self.half.is_none() && after <= 0.5 {
-            self.half = Some(part.distance_at((2.0 * self.transmittance).ln().max(0.0)));
+            let depth = (2.0 * self.transmittance).ln().max(0.0);
+            self.half = Some(cubic.distance(part.place_of(depth)));
         }
         for (sum, value) in self.color.iter_mut().zip(part.color) {
             *sum += self.transmittance * value;
@@ -156,10 +166,12 @@ impl Light {
     }
 }
 
-/// A part of a piece.
+/// A part of a piece: parameters of its cubic.
 struct Part {
     start: f64,
     end: f64,
+    /// World length of the cubic.
+    length: f64,
     color: [f64; 3],
     depth: f64,
     /// Of the extinction over it.
@@ -168,18 +180,20 @@ struct Part {
 }
 
 impl Part {
-    fn new(start: f64, end: f64, matter: &impl Fn(f64) -> ([f64; 3], f64)) -> Self {
+    fn new(start: f64, end: f64, length: f64, matter: &impl Fn(f64) -> ([f64; 3], f64)) -> Self {
         let rule = rule();
-        let (middle, half) = (0.5 * (start + end), 0.5 * (end - start));
+        let (middle, reach) = (0.5 * (start + end), 0.5 * (end - start));
+        let half = reach * length;
         let mut colors = [[0.0; 3]; POINTS];
         let mut extinctions = [0.0; POINTS];
         for (i, node) in rule.nodes.iter().enumerate() {
-            (colors[i], extinctions[i]) = matter(middle + half * node);
+            (colors[i], extinctions[i]) = matter(middle + reach * node);
         }
         if extinctions == [0.0; POINTS] {
             return Self {
                 start,
                 end,
+                length,
                 color: [0.0; 3],
                 depth: 0.0,
                 extinctions,
@@ -212,6 +226,7 @@ impl Part {
         Self {
             start,
             end,
+            length,
             color,
             depth,
             extinctions,
@@ -219,10 +234,11 @@ impl Part {
         }
     }
 
-    /// The distance up to which the optical depth is `depth`.
-    fn distance_at(&self, depth: f64) -> f64 {
+    /// The parameter up to which the optical depth is `depth`.
+    fn place_of(&self, depth: f64) -> f64 {
         let rule = rule();
-        let half = 0.5 * (self.end - self.start);
+        let reach = 0.5 * (self.end - self.start);
+        let half = reach * self.length;
         let coefficients: [f64; POINTS] = std::array::from_fn(|k| {
             let terms = rule.coefficients[k].iter().zip(&self.extinctions);
             terms.map(|(w, v)| w * v).sum()
@@ -243,6 +259,6 @@ impl Part {
                 high = middle;
             }
         }
-        self.start + half * (low + 1.0)
+        self.start + reach * (low + 1.0)
     }
 }

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
+use crate::rays::Ray;
 use crate::scene::{Scene, Technique};
 use crate::volume_rendering::light;
 
@@ -27,7 +28,7 @@ impl Progress for Silent {
 #[derive(Debug, thiserror::Error)]
 pub enum ReferenceError {
     /// The tolerance is no number above 0.
-    #[error("a tolerance of {0} cannot be kept: give one between 1e-12 and 1")]
+    #[error("a tolerance of {0} cannot be kept: give one between 1e-10 and 1")]
     Tolerance(f64),
     /// The caller wanted no more.
     #[error("the work was ended")]
@@ -78,7 +79,7 @@ pub fn render(
     tolerance: f64,
     progress: &dyn Progress,
 ) -> Result<Rendered, ReferenceError> {
-    if !(1e-12..=1.0).contains(&tolerance) {
+    if !(1e-10..=1.0).contains(&tolerance) {
         return Err(ReferenceError::Tolerance(tolerance));
     }
     let [width, height] = scene.rays.size;
@@ -119,16 +120,22 @@ pub fn render(
 
 fn pixel(scene: &Scene, x: u32, y: u32, tolerance: f64) -> Pixel {
     let ray = scene.rays.ray(x, y);
-    let Some(interval) = scene.field.interval(&ray) else {
+    let Some((near, far)) = scene.field.interval(&ray) else {
         return Pixel::NOTHING;
     };
+    // Distances count from where the box begins: from an eye far away they would have no digits left.
+    let ray = Ray {
+        origin: ray.at(near),
+        ..ray
+    };
+    let interval = (0.0, far - near);
     match &scene.technique {
         Technique::VolumeRendering { matter } => {
             let light = light(&scene.field, matter, &ray, interval, tolerance);
             let [r, g, b] = light.color;
             Pixel {
                 color: [r, g, b, 1.0 - light.transmittance],
-                depth: light.half.unwrap_or(f64::INFINITY),
+                depth: near + light.half.unwrap_or(f64::INFINITY),
                 normal: [0.0; 3],
                 error: light.error,
             }

@@ -21,11 +21,8 @@ pub(crate) fn light(
     field.walk(ray, (near, far), |cubic| {
         split(cubic, (0.0, 1.0), matter, |piece| {
             if !matter.is_clear(piece.part) {
-                let length = cubic.end - cubic.start;
-                let ends = (cubic.distance(piece.from), cubic.distance(piece.to));
-                light.piece(ends, allowance, |distance| {
-                    let scalar = cubic.at((distance - cubic.start) / length);
-                    matter.at(piece.part, scalar)
+                light.piece(cubic, (piece.from, piece.to), allowance, |w| {
+                    matter.at(piece.part, cubic.at(w))
                 });
             }
             light.transmittance < least

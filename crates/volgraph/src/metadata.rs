@@ -1,7 +1,8 @@
 //! What every picture carries: enough to render it again and to see what has changed since.
 
+use std::fmt::Display;
+
 use serde_json::json;
-use volgraph_gpu::AdapterSummary;
 use volgraph_graph::fingerprint::Hasher;
 use volgraph_graph::{Plan, View, hex, print::CONVENTIONS};
 
@@ -10,15 +11,10 @@ use crate::scene::Scene;
 /// The metadata of a picture: (key, value).
 ///
 /// `version`, `graph.path`, `graph.text` and `graph.digest` (blake3 of the text), `overrides` (JSON), `size`, `camera`
-/// (JSON), `adapter`, `digest.sources` and `digest.shaders` (JSON: name of the source or node → blake3 of its content
+/// (JSON), `adapter` (who drew it), `digest.sources` and `digest.shaders` (JSON: name of the source or node → blake3 of its content
 /// or its linked text), and `conventions` (JSON).
 #[must_use]
-pub fn of(
-    scene: &Scene,
-    plan: &Plan,
-    view: &View,
-    adapter: &AdapterSummary,
-) -> Vec<(String, String)> {
+pub fn of(scene: &Scene, plan: &Plan, view: &View, adapter: &dyn Display) -> Vec<(String, String)> {
     let mut hasher = Hasher::new();
     hasher.part(scene.text.as_bytes());
     let mut metadata = vec![

@@ -19,7 +19,7 @@ use crate::scene::Scene;
 /// How a truth is computed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TruthOptions {
-    /// Absolute tolerance of linear premultiplied colours, 1e-12 to 1.
+    /// Absolute tolerance of linear premultiplied colours, 1e-10 to 1.
     pub tolerance: f64,
     /// Where results are kept; nowhere where it is `None`.
     pub cache: Option<PathBuf>,
@@ -184,6 +184,31 @@ fn write(file: &Path, rendered: &Rendered) -> std::io::Result<()> {
     let mut part = tempfile::NamedTempFile::new_in(folder)?;
     std::io::Write::write_all(&mut part, &bytes)?;
     part.persist(file)?;
+    prune(folder, MAX_CACHE_BYTES)
+}
+
+/// Most bytes that are kept.
+const MAX_CACHE_BYTES: u64 = 1 << 30;
+
+/// Removes the files that were written first until the others are no more than `most` bytes.
+fn prune(folder: &Path, most: u64) -> std::io::Result<()> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let metadata = entry.metadata()?;
+        if metadata.is_file() && entry.path().extension().is_some_and(|it| it == "f64") {
+            files.push((metadata.modified()?, metadata.len(), entry.path()));
+        }
+    }
+    files.sort();
+    let mut bytes: u64 = files.iter().map(|(_, bytes, _)| bytes).sum();
+    for (_, size, file) in files {
+        if bytes <= most {
+            break;
+        }
+        fs::remove_file(file)?;
+        bytes -= size;
+    }
     Ok(())
 }
 
@@ -207,4 +232,52 @@ fn read(file: &Path, size: [u32; 2]) -> Option<Rendered> {
         normal: pixels().map(|p| [p[6], p[7], p[8]]).collect(),
         error: pixels().map(|p| p[9]).collect(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rendered(value: f64) -> Rendered {
+        Rendered {
+            size: [2, 1],
+            color: vec![[value, 0.25, 1e-300, 1.0]; 2],
+            opacity: vec![0.5; 2],
+            depth: vec![f64::INFINITY, 3.0],
+            normal: vec![[0.0, 0.0, 1.0]; 2],
+            error: vec![1e-9; 2],
+        }
+    }
+
+    #[test]
+    fn what_is_kept_comes_back_to_the_last_bit_and_nothing_else_does() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("reference").join("a.f64");
+        let kept = rendered(0.1);
+        write(&file, &kept).unwrap();
+        assert_eq!(read(&file, [2, 1]), Some(kept));
+        assert_eq!(read(&file, [1, 1]), None, "of another size");
+        let mut bytes = fs::read(&file).unwrap();
+        bytes[9] ^= 1;
+        fs::write(&file, &bytes).unwrap();
+        assert_eq!(read(&file, [2, 1]), None, "a bit is wrong");
+        fs::write(&file, &bytes[..40]).unwrap();
+        assert_eq!(read(&file, [2, 1]), None, "the end is missing");
+    }
+
+    #[test]
+    fn the_oldest_files_go_first() {
+        let folder = tempfile::tempdir().unwrap();
+        let names = ["a", "b", "c"].map(|name| folder.path().join(name).with_extension("f64"));
+        for (age, file) in names.iter().enumerate() {
+            write(file, &rendered(0.0)).unwrap();
+            let opened = fs::File::options().write(true).open(file).unwrap();
+            let time =
+                std::time::SystemTime::UNIX_EPOCH + std::time::Duration::from_secs(age as u64);
+            opened.set_modified(time).unwrap();
+        }
+        let size = fs::metadata(&names[0]).unwrap().len();
+        prune(folder.path(), 2 * size).unwrap();
+        assert_eq!(names.map(|file| file.exists()), [false, true, true]);
+    }
 }

@@ -31,8 +31,8 @@ impl TruthArgs {
 
 fn parse_tolerance(text: &str) -> Result<f64, String> {
     match text.parse() {
-        Ok(tolerance) if (1e-12..=1.0).contains(&tolerance) => Ok(tolerance),
-        _ => Err("a tolerance is a number between 1e-12 and 1".to_owned()),
+        Ok(tolerance) if (1e-10..=1.0).contains(&tolerance) => Ok(tolerance),
+        _ => Err("a tolerance is a number between 1e-10 and 1".to_owned()),
     }
 }
 

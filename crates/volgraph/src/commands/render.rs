@@ -1,18 +1,26 @@
 //! `volgraph render`: a graph into a picture.
+//!
+//! On a machine with no adapter at all the float64 reference draws what it covers, and says so.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use serde_json::json;
-use volgraph::{Findings, Session};
-use volgraph_gpu::Gpu;
-use volgraph_picture::SaveOptions;
+use volgraph::truth::plan_without_device;
+use volgraph::{Findings, Picture, Scene, Session, Truth, TruthOptions, list_adapters, metadata};
+use volgraph_gpu::{Gpu, GpuError};
+use volgraph_picture::{SaveOptions, SaveReport};
 
+use super::reference::Rows;
 use super::{check_output, check_overwrites, errors, load, png_bits, session_options};
 use crate::args::RenderArgs;
 use crate::output;
+use crate::progress::Bars;
+
+/// Tolerance of pictures that the reference draws because nobody else can: below what any file shows.
+const TOLERANCE: f64 = 1e-6;
 
 pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
     check_output(&args.output)?;
@@ -21,15 +29,18 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
     let inputs = scene.data.keys().chain([&scene.path]);
     check_overwrites(&args.output, inputs.map(PathBuf::as_path))?;
     let options = session_options(&args.scene, Some(&args.output));
-    let gpu = Arc::new(Gpu::open(&options.adapter)?);
+    let gpu = match Gpu::open(&options.adapter) {
+        Ok(gpu) => Arc::new(gpu),
+        Err(error @ GpuError::NoAdapter { .. }) if list_adapters().is_empty() => {
+            return by_reference(args, &scene, start, error);
+        }
+        Err(error) => return Err(error.into()),
+    };
     let mut session = Session::start(scene, gpu, &options)?;
     let ready = start.elapsed();
     let (picture, report) = session.render()?;
     let drawn = start.elapsed();
-    let bits = png_bits(&args.png_bits);
-    let saved = picture
-        .save(&args.output, SaveOptions::default().with_png_bits(bits))
-        .map_err(|error| Findings::from(errors::of_picture(&error, &args.output)))?;
+    let saved = save(args, &picture)?;
     if saved.nan_pixels > 0 {
         output::warn(&format!(
             "{} pixels are not numbers: a shader divides by zero or takes a root of a negative number",
@@ -37,7 +48,6 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
         ));
     }
     output::report_warnings(&report.hazards);
-    let milliseconds = |duration: std::time::Duration| duration.as_secs_f64() * 1e3;
     if args.json {
         output::print_json(&json!({
             "output": args.output.display().to_string(),
@@ -58,6 +68,72 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
             picture.height,
             milliseconds(start.elapsed()),
             session.adapter()
+        ));
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn milliseconds(duration: Duration) -> f64 {
+    duration.as_secs_f64() * 1e3
+}
+
+fn save(args: &RenderArgs, picture: &Picture) -> Result<SaveReport, Findings> {
+    let bits = png_bits(&args.png_bits);
+    picture
+        .save(&args.output, SaveOptions::default().with_png_bits(bits))
+        .map_err(|error| errors::of_picture(&error, &args.output).into())
+}
+
+/// Who draws where there is no adapter.
+const REFERENCE: &str = "the float64 reference, on the processor";
+
+/// Draws by the reference, for there is no adapter.
+fn by_reference(
+    args: &RenderArgs,
+    scene: &Scene,
+    start: Instant,
+    no_adapter: GpuError,
+) -> anyhow::Result<ExitCode> {
+    scene.check_color_output().map_err(Findings::from)?;
+    let plan = plan_without_device(scene, args.scene.size)?;
+    let view = plan.view();
+    let bars = Bars::new();
+    let options = TruthOptions {
+        tolerance: TOLERANCE,
+        ..TruthOptions::default()
+    };
+    let truth = Truth::of(&plan, &view, &options, &Rows(&bars));
+    bars.clear();
+    let truth = match truth {
+        Ok(truth) => truth,
+        // Why the reference does not draw it either belongs to the remedy.
+        Err(findings) => {
+            output::note(&format!("without an adapter: {findings}"));
+            return Err(no_adapter.into());
+        }
+    };
+    let mut picture = truth.picture()?;
+    picture.metadata = metadata::of(scene, &plan, &view, &REFERENCE);
+    let saved = save(args, &picture)?;
+    output::note(&format!(
+        "there is no adapter: this is drawn by {REFERENCE}"
+    ));
+    let [width, height] = args.scene.size;
+    if args.json {
+        output::print_json(&json!({
+            "output": args.output.display().to_string(),
+            "size": args.scene.size,
+            "adapter": REFERENCE,
+            "tolerance": TOLERANCE,
+            "total_ms": milliseconds(start.elapsed()),
+            "nan_pixels": saved.nan_pixels,
+            "clipped_pixels": saved.clipped_pixels,
+        }));
+    } else {
+        output::print(&format!(
+            "{} {width}x{height} in {:.0} ms by {REFERENCE}",
+            args.output.display(),
+            milliseconds(start.elapsed()),
         ));
     }
     Ok(ExitCode::SUCCESS)

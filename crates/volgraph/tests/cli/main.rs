@@ -8,6 +8,7 @@ mod gallery;
 mod link;
 mod new;
 mod planted;
+mod reference;
 mod watch;
 
 use std::path::{Path, PathBuf};
@@ -39,12 +40,19 @@ impl Scratch {
 
     /// Runs volgraph in this folder.
     fn run(&self, args: &[&str]) -> Run {
+        self.run_in(args, &[])
+    }
+
+    /// The same with these environment variables.
+    fn run_in(&self, args: &[&str], variables: &[(&str, &str)]) -> Run {
         let child = Command::new(env!("CARGO_BIN_EXE_volgraph"))
             .args(args)
             .current_dir(self.path())
             .env_remove("VOLGRAPH_SHADERS")
             .env_remove("VOLGRAPH_DATA")
             .env_remove("VOLGRAPH_ADAPTER")
+            .env("VOLGRAPH_CACHE", self.path().join("cache"))
+            .envs(variables.iter().copied())
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
