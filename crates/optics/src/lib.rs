@@ -26,7 +26,7 @@ pub use material::Material;
 pub use post::PostTable;
 pub use preintegrated::{PreintegratedMaterial, PreintegratedMoments, PreintegratedTable};
 pub use transfer::{
-    Domain, MAX_EXTINCTION_FROM_OPACITY, ReferenceLength, Smooth, TransferFunction,
+    Domain, MAX_EXTINCTION_FROM_OPACITY, ReferenceLength, Smooth, SmoothMaterial, TransferFunction,
     extinction_from_opacity, opacity_from_extinction,
 };
 

@@ -4,8 +4,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
+use crate::projection;
 use crate::rays::Ray;
 use crate::scene::{Scene, Technique};
+use crate::sight::Sight;
 use crate::volume_rendering::light;
 
 /// Told how far a picture is.
@@ -128,16 +130,53 @@ fn pixel(scene: &Scene, x: u32, y: u32, tolerance: f64) -> Pixel {
         origin: ray.at(near),
         ..ray
     };
-    let interval = (0.0, far - near);
+    let sight = Sight::new(scene, ray, (0.0, far - near), near > 0.0);
+    let Some(own) = scene.looks.first() else {
+        return Pixel::NOTHING;
+    };
+    let extreme = |is_largest| {
+        projection::extreme(&sight, is_largest).map_or(Pixel::NOTHING, |extreme| Pixel {
+            color: scene
+                .looks
+                .get(extreme.look)
+                .unwrap_or(own)
+                .toned(extreme.scalar),
+            depth: near + extreme.distance,
+            ..Pixel::NOTHING
+        })
+    };
+    let composited = |with_matter, surfaces| {
+        let walk = light(&sight, tolerance, with_matter, surfaces);
+        let [r, g, b] = walk.light.color;
+        Pixel {
+            color: [r, g, b, 1.0 - walk.light.transmittance],
+            depth: near + walk.light.half.unwrap_or(f64::INFINITY),
+            normal: walk.normal.to_array(),
+            error: walk.light.error,
+        }
+    };
     match &scene.technique {
-        Technique::VolumeRendering { matter } => {
-            let light = light(&scene.field, matter, &ray, interval, tolerance);
-            let [r, g, b] = light.color;
+        Technique::VolumeRendering => composited(true, None),
+        Technique::Surfaces {
+            has_faces,
+            with_matter,
+        } => composited(*with_matter, Some(*has_faces)),
+        Technique::Maximum => extreme(true),
+        Technique::Minimum => extreme(false),
+        Technique::Average => projection::mean(&sight).map_or(Pixel::NOTHING, |mean| Pixel {
+            color: own.toned(mean),
+            ..Pixel::NOTHING
+        }),
+        Technique::Xray {
+            windows,
+            absorption,
+            film,
+        } => {
+            let opacity = -(-absorption * projection::shares(&sight, windows)).exp_m1();
+            let [r, g, b] = film.map(|channel| channel * opacity);
             Pixel {
-                color: [r, g, b, 1.0 - light.transmittance],
-                depth: near + light.half.unwrap_or(f64::INFINITY),
-                normal: [0.0; 3],
-                error: light.error,
+                color: [r, g, b, opacity],
+                ..Pixel::NOTHING
             }
         }
     }
