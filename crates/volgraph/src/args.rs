@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod authors;
+mod chart;
 
 use std::path::PathBuf;
 
@@ -11,6 +12,7 @@ use volgraph_volume::ScalarType;
 
 pub use accuracy::ReferenceArgs;
 pub use authors::{GalleryArgs, GraphsArgs, NewArgs, NewSlot, TestArgs};
+pub use chart::{ChartArgs, TruthChoice};
 
 /// Draws volumes with WGSL shaders that plug into a render graph, and says how wrong each picture is.
 #[derive(Parser, Debug)]
@@ -60,6 +62,10 @@ pub enum Command {
     Adapters(AdaptersArgs),
     /// Time the frames of a graph while the camera turns.
     Bench(BenchArgs),
+    /// Chart the methods of graphs by speed and accuracy: a table, a chart and a page with pictures and error maps.
+    ///
+    /// All that a graph's raycast offers is compared: classifications, steps, storages, stages. Frames are timed in turn.
+    Chart(ChartArgs),
     /// Render a graph, and again whenever a file that the picture depends on changes.
     ///
     /// Shaders with all that they import, the graph, transfer functions, images and volumes are watched. A change that

@@ -2,6 +2,7 @@
 
 mod adapters;
 mod bench;
+mod chart;
 mod check;
 mod compare;
 mod errors;
@@ -47,6 +48,7 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Gallery(args) => gallery::run(&args),
         Command::Adapters(args) => adapters::run(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::Chart(args) => chart::run(&args),
         Command::Watch(args) => watch::run(&args),
     }
 }

@@ -18,18 +18,20 @@ pub fn front(points: &[(f64, f64)]) -> Vec<usize> {
     order
 }
 
-/// The points that no other beats by more than the factor `slack` (at least 1) in both time and error: with times that
-/// may be wrong by so much, any of them may be on the front.
+/// The points that no other beats in time and error, and by at least the factor `slack` (1 or more) in one of them: with
+/// times that may be wrong by so much, any of them may be on the front.
 #[must_use]
 pub fn near_front(points: &[(f64, f64)], slack: f64) -> Vec<usize> {
     let front = front(points);
-    (0..points.len())
-        .filter(|at| {
-            let (time, error) = points[*at];
-            front
-                .iter()
-                .all(|other| points[*other].0 * slack > time || points[*other].1 * slack > error)
-                || front.contains(at)
+    let is_near = |(time, error): (f64, f64)| {
+        front.iter().all(|at| {
+            let (least_time, least_error) = points[*at];
+            let is_beaten = least_time <= time && least_error <= error;
+            let is_clear = least_time * slack <= time || least_error * slack <= error;
+            !(is_beaten && is_clear) || (least_time, least_error) == (time, error)
         })
+    };
+    (0..points.len())
+        .filter(|at| is_near(points[*at]))
         .collect()
 }

@@ -1,7 +1,7 @@
 //! Other renderers' figures, from the table that a harness of theirs writes.
 //!
 //! The table is of tab separated values with a line of names. Read are `peer`, `mode`, `volume`, `step_vox`, `median_ms`,
-//! `min_ms`, `max_ms`, `n`, `rmse8` and `rmse8_core`; other columns are passed over. Rows without an error are of modes
+//! `min_ms`, `max_ms`, `n` and `rmse8_core`; other columns are passed over. Rows without an error are of modes
 //! that have no common truth, and rows without a time failed: both are left out, and counted. Errors are in units of an
 //! 8-bit step, over red, green and blue of core pixels ([`core_pixels`](super::core_pixels)), of pictures with 8 bits a
 //! component: rounding alone makes about 0.29 of them.
@@ -43,6 +43,19 @@ pub struct Peers {
     pub left_out: usize,
 }
 
+/// The columns that are read.
+const COLUMNS: [&str; 9] = [
+    "peer",
+    "mode",
+    "volume",
+    "step_vox",
+    "median_ms",
+    "min_ms",
+    "max_ms",
+    "n",
+    "rmse8_core",
+];
+
 /// A row as it is written: numbers may be missing.
 #[derive(Deserialize)]
 struct Row {
@@ -67,16 +80,28 @@ impl Peers {
             .delimiter(b'\t')
             .quoting(false)
             .from_reader(text.as_bytes());
+        let wrong = |why: String| {
+            Finding::error(
+                "bad-peers",
+                format!("the table of peers is not right: {why}"),
+            )
+            .help(format!(
+                "its columns are tab separated: {}",
+                COLUMNS.join(", ")
+            ))
+        };
+        let head = reader.headers().map_err(|error| wrong(error.to_string()))?;
+        if let Some(missing) = COLUMNS
+            .iter()
+            .find(|column| head.iter().all(|name| name != **column))
+        {
+            return Err(wrong(format!("it has no column `{missing}`")).into());
+        }
         let mut found = Self::default();
         for row in reader.deserialize::<Row>() {
-            let row = row.map_err(|error| {
-                Finding::error(
-                    "bad-peers",
-                    format!("the table of peers is not right: {error}"),
-                )
-                .help("its columns are tab separated: peer, mode, volume, step_vox, median_ms, min_ms, max_ms, n, rmse8_core")
-            })?;
-            let positive = |value: Option<f64>| value.filter(|value| value.is_finite() && *value > 0.0);
+            let row = row.map_err(|error| wrong(error.to_string()))?;
+            let positive =
+                |value: Option<f64>| value.filter(|value| value.is_finite() && *value > 0.0);
             let (Some(median_ms), Some(core_rmse)) =
                 (positive(row.median_ms), positive(row.rmse8_core))
             else {

@@ -232,11 +232,7 @@ impl<S: Stand> Run<'_, S> {
     }
 
     /// Measures methods that are not known yet with a few frames each.
-    fn scout(
-        &mut self,
-        base: &mut S::Ready,
-        mut methods: Vec<Vec<usize>>,
-    ) -> Result<(), Findings> {
+    fn scout(&mut self, base: &mut S::Ready, mut methods: Vec<Vec<usize>>) -> Result<(), Findings> {
         methods.retain(|at| self.known.insert(at.clone()));
         let total = self.known.len();
         let mut rest = methods.into_iter().peekable();
