@@ -95,9 +95,8 @@ fn stored(
     at_sample: impl Fn(&Field, IVec3) -> DVec3,
 ) -> [Polynomial; 3] {
     let cell = line.cell();
-    let gradients: [DVec3; 8] = std::array::from_fn(|i| {
-        at_sample(field, field.clamped(cell.as_ivec3() + corner(i)))
-    });
+    let gradients: [DVec3; 8] =
+        std::array::from_fn(|i| at_sample(field, field.clamped(cell.as_ivec3() + corner(i))));
     [0, 1, 2].map(|axis| {
         let values = gradients.map(|gradient| gradient[axis]);
         Polynomial::through(QUARTERS.map(|w| trilinear(&values, line.at(w) - cell)))

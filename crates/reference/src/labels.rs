@@ -124,7 +124,10 @@ impl Labels {
             .transform_vector3(ray.direction);
         let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {
-            let (low, high) = (self.low[axis] - origin[axis], self.high[axis] - origin[axis]);
+            let (low, high) = (
+                self.low[axis] - origin[axis],
+                self.high[axis] - origin[axis],
+            );
             if slope[axis] == 0.0 {
                 if low > 0.0 || high < 0.0 {
                     return None;

@@ -115,13 +115,12 @@ impl<'s> Walk<'_, 's> {
             let mut start = from;
             let inside = splits.iter().copied().filter(|w| from < *w && *w < to);
             for end in inside.chain([to]) {
-                self.light
-                    .piece(curve, (start, end), self.allowance, |w| {
-                        let scalar = curve.at(w);
-                        let (color, extinction) = matter.at(at, scalar);
-                        let material = matter.material(at, scalar);
-                        (lit.color(w, color, &material), extinction)
-                    });
+                self.light.piece(curve, (start, end), self.allowance, |w| {
+                    let scalar = curve.at(w);
+                    let (color, extinction) = matter.at(at, scalar);
+                    let material = matter.material(at, scalar);
+                    (lit.color(w, color, &material), extinction)
+                });
                 start = end;
             }
             self.is_done()

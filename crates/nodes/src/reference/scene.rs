@@ -4,9 +4,7 @@
 //! one picture. What the reference has no closed form for is refused by name (`not-covered`), never left out.
 
 use volgraph_graph::{NodeContext, View};
-use volgraph_reference::{
-    Background, Field, Gradients, Kernel, Rays, Scene, Shadow, Technique,
-};
+use volgraph_reference::{Background, Field, Gradients, Kernel, Rays, Scene, Shadow, Technique};
 use volgraph_report::Finding;
 
 use super::covered;

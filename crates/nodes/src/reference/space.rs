@@ -86,8 +86,7 @@ fn planes(values: &Values<'_>) -> Result<Shape, Finding> {
 fn box_planes(values: &Values<'_>) -> Result<Shape, Finding> {
     let grid = placement::volume(&values.node, "volume")?.grid();
     let (low, high) = grid.box_index();
-    let corner =
-        |name: &str| low + DVec3::from_array(values.vector(name)) * (high - low);
+    let corner = |name: &str| low + DVec3::from_array(values.vector(name)) * (high - low);
     let (a, b) = (corner("clip_low"), corner("clip_high"));
     let index_from_world = grid.world_from_index.inverse();
     let mut planes = Vec::new();
