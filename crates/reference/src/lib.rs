@@ -40,7 +40,7 @@ pub use labels::Labels;
 pub use look::{Lamp, Layer, Look, Place, Tone, Window};
 pub use matter::{Materials, Matter};
 pub use rays::{Ray, Rays};
-pub use render::{Progress, ReferenceError, Rendered, Silent, render};
+pub use render::{Progress, ReferenceError, Rendered, Silent, render, render_pixels};
 pub use scene::{Scene, Shadow, Technique};
 
 /// The absolute tolerance of colours that is asked for where nothing else is said.

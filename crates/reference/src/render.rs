@@ -81,9 +81,7 @@ pub fn render(
     tolerance: f64,
     progress: &dyn Progress,
 ) -> Result<Rendered, ReferenceError> {
-    if !(1e-10..=1.0).contains(&tolerance) {
-        return Err(ReferenceError::Tolerance(tolerance));
-    }
+    check(tolerance)?;
     let [width, height] = scene.rays.size;
     let done = AtomicUsize::new(0);
     type Row = Vec<(Pixel, [f64; 4])>;
@@ -93,12 +91,7 @@ pub fn render(
             let row = (0..width)
                 .map(|x| {
                     let pixel = pixel(scene, x, y, tolerance);
-                    let behind = scene.background.at(&scene.rays, x, y);
-                    let open = 1.0 - pixel.color[3];
-                    (
-                        pixel,
-                        std::array::from_fn(|i| pixel.color[i] + open * behind[i]),
-                    )
+                    (pixel, over(scene, &pixel, x, y))
                 })
                 .collect();
             let done = 1 + done.fetch_add(1, Ordering::Relaxed);
@@ -118,6 +111,38 @@ pub fn render(
         normal: pixels.iter().map(|(pixel, _)| pixel.normal).collect(),
         error: pixels.iter().map(|(pixel, _)| pixel.error).collect(),
     })
+}
+
+/// The colours of some pixels (column and row, from the top), over the background, to an absolute tolerance.
+///
+/// # Errors
+/// [`ReferenceError::Tolerance`].
+pub fn render_pixels(
+    scene: &Scene,
+    pixels: &[[u32; 2]],
+    tolerance: f64,
+) -> Result<Vec<[f64; 4]>, ReferenceError> {
+    check(tolerance)?;
+    let colors = pixels.par_iter().map(|[x, y]| {
+        let pixel = pixel(scene, *x, *y, tolerance);
+        over(scene, &pixel, *x, *y)
+    });
+    Ok(colors.collect())
+}
+
+fn check(tolerance: f64) -> Result<(), ReferenceError> {
+    if (1e-10..=1.0).contains(&tolerance) {
+        Ok(())
+    } else {
+        Err(ReferenceError::Tolerance(tolerance))
+    }
+}
+
+/// The colour of a pixel over the background.
+fn over(scene: &Scene, pixel: &Pixel, x: u32, y: u32) -> [f64; 4] {
+    let behind = scene.background.at(&scene.rays, x, y);
+    let open = 1.0 - pixel.color[3];
+    std::array::from_fn(|i| pixel.color[i] + open * behind[i])
 }
 
 fn pixel(scene: &Scene, x: u32, y: u32, tolerance: f64) -> Pixel {

@@ -94,6 +94,7 @@ fn session_options(args: &SceneArgs, output: Option<&Path>) -> SessionOptions {
         shader_folders: args.shader_folders(),
         with_layers: output.is_some_and(|output| extension(output) == "exr"),
         max_resource_bytes: args.max_resource_gib.map(|gib| gib << 30),
+        is_as_written: false,
     }
 }
 

@@ -22,6 +22,7 @@ pub mod embedded;
 pub mod metadata;
 pub mod methods;
 mod overrides;
+pub mod quality;
 pub mod recorded;
 mod scene;
 mod session;

@@ -25,7 +25,7 @@ pub use accuracy::{Errors, core_pixels, errors};
 pub use filter::{Filter, parse_filters};
 pub use front::{front, near_front};
 pub use measurement::{Measurement, Method, Setting};
-pub use session_stand::{OnPicture, SessionStand, middle, turned};
+pub use session_stand::{OnPicture, Ready, SessionStand, middle, turned};
 pub use space::{Axis, MethodSpace, raycast_node};
 pub use stand::{Stand, Times, alternate};
 pub use survey::{Survey, SurveyOptions, SurveyProgress, survey};

@@ -45,6 +45,19 @@ pub struct Ready {
     target: DVec3,
 }
 
+impl Ready {
+    /// A session as it is.
+    #[must_use]
+    pub fn new(session: Session) -> Self {
+        let (camera, target) = (session.view().camera, middle(&session));
+        Self {
+            session,
+            camera,
+            target,
+        }
+    }
+}
+
 impl SessionStand<'_> {
     /// A session that draws by a method.
     ///
@@ -54,7 +67,11 @@ impl SessionStand<'_> {
         let mut overrides = self.scene.overrides.clone();
         overrides.params.extend(method.overrides(&self.node));
         let scene = self.scene.with_overrides(&overrides, &NoProgress)?;
-        Session::start(scene, Arc::clone(&self.gpu), &self.options)
+        let options = SessionOptions {
+            is_as_written: true,
+            ..self.options.clone()
+        };
+        Session::start(scene, Arc::clone(&self.gpu), &options)
     }
 }
 
@@ -66,15 +83,7 @@ impl Stand for SessionStand<'_> {
         let (picture, _) = session.render_checked()?;
         let errors = self.yardstick.errors(&picture)?;
         (self.on_picture)(method, &picture, &errors)?;
-        let (camera, target) = (session.view().camera, middle(&session));
-        Ok((
-            Ready {
-                session,
-                camera,
-                target,
-            },
-            errors,
-        ))
+        Ok((Ready::new(session), errors))
     }
 
     fn frame(&mut self, ready: &mut Ready, number: u32) -> Result<f64, Findings> {

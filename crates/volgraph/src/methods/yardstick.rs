@@ -1,5 +1,6 @@
 //! What a graph's picture should be, as methods are held against it.
 
+use serde::Serialize;
 use volgraph_graph::{Plan, View};
 use volgraph_nodes::reference::rays;
 use volgraph_nodes::source::volume::VolumeSource;
@@ -15,7 +16,8 @@ use crate::truth::{Truth, TruthOptions};
 pub const FINE_STEP: f64 = 1.0 / 32.0;
 
 /// Where a truth comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum TruthKind {
     /// The float64 reference.
     Reference,
