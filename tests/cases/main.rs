@@ -28,5 +28,6 @@ mod refraction_media;
 mod segment_files;
 mod segments;
 mod snapshots;
+mod stress;
 mod sweep;
 mod units;

@@ -16,7 +16,8 @@ use wgpu_types::TextureFormat;
 
 use self::ports::{INPUTS, LAYERS, OUTPUTS, SLOTS};
 use self::tables::{check_table_sizes, check_tables_of_labels};
-pub(crate) use self::tables::{data_value, table_range, transfer_uniform};
+pub use self::tables::data_value;
+pub(crate) use self::tables::{table_range, transfer_uniform};
 pub(crate) use self::walk::{MAX_SEGMENTS, check_walk, longest_ray, walk_slots};
 
 use crate::background::Background;

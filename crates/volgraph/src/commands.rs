@@ -1,6 +1,7 @@
 //! The commands, one file each.
 
 mod adapters;
+mod advise;
 mod bench;
 mod check;
 mod compare;
@@ -15,6 +16,7 @@ mod plan;
 mod reference;
 mod render;
 mod shader_tree;
+mod stress;
 mod test;
 mod watch;
 mod write;
@@ -35,6 +37,8 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
     match command {
         Command::Render(args) => render::run(&args),
         Command::Reference(args) => reference::run(&args),
+        Command::Advise(args) => advise::run(&args),
+        Command::Stress(args) => stress::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),

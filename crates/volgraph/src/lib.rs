@@ -16,6 +16,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod advise;
 pub mod case;
 mod dependencies;
 pub mod embedded;
@@ -24,6 +25,7 @@ mod overrides;
 mod scene;
 mod session;
 mod shaders;
+pub mod stress;
 pub mod truth;
 
 pub use case::{Case, CaseOptions};
