@@ -99,11 +99,11 @@ fn blob_scene(name: &str, camera: &str) -> SceneText {
     SceneText::new(name, VolumeText::floats("blob", BLOB, blob(1.0)), SOFT, camera)
 }
 
-/// What order 2 leaves of [`blob`] under [`SOFT`] at a step of `h` voxels: a chord of a cubic lies up to s'' h² / 8 off, s''
-/// is 1 / 3.2² along the ray and the extinction 0.5 a unit of it, over the 10 voxels where it is so.
+/// What order 2 leaves of [`blob`] under [`SOFT`] at a step of `h` voxels: a chord leaves s'' h² / 12 of the scalar on the
+/// mean, and the sum of s'' up to any place is s', 0.61 / 3.2 at most; the extinction is half of it.
 fn soft_bound(step: f64) -> f64 {
-    10.0 * 0.5 / (3.2 * 3.2) * step * step / 8.0
+    0.5 * (0.61 / 3.2) / 12.0 * step * step
 }
 
 /// Why [`soft_bound`] is that.
-const SOFT_WHY: &str = "order 2: 10 voxels of extinction off by 0.5 s'' h²/8, and early termination (1/4096)";
+const SOFT_WHY: &str = "order 2: chords leave s'' h²/12 of the scalar, which sum up to 0.5 s' h²/12; early termination (1/4096)";

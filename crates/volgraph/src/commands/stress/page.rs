@@ -157,7 +157,7 @@ fn section(report: &CaseReport) -> Result<Markup, Finding> {
                         }
                     }
                 }
-                @for graph in report.graphs.last() { pre { (graph) } }
+                @if let Some(graph) = report.graphs.last() { pre { (graph) } }
             }
         }
     })

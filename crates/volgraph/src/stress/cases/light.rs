@@ -9,7 +9,7 @@ use crate::stress::case::{Bound, Case, Method, Point, Quantity, Truth};
 use crate::stress::scene_text::{SceneText, VolumeText};
 
 pub(super) fn cases() -> Vec<Case> {
-    vec![straight(), index_step(), furnace(), shadows()]
+    vec![straight(), index_step(), snell(), furnace(), shadows()]
 }
 
 const PLACES: &str = r#"{ "pattern": "gradient", "bottom": [0.0, 0.0, 0.0, 1.0], "top": [1.0, 1.0, 1.0, 1.0] }"#;
@@ -46,72 +46,123 @@ const SLAB: [u32; 3] = [33, 33, 17];
 const SLAB_LOW: f64 = 3.7;
 const SLAB_HIGH: f64 = 12.3;
 
-fn slab_scene(name: &str, camera: &str) -> SceneText {
+fn slab_scene() -> SceneText {
     let volume = VolumeText::floats("slab", SLAB, |[_, _, z]| (z - 8.0).abs());
     let transfer = "(domain: data(from: 0, to: 8), color: (1, 1, 1), extinction: [(0, 0), (8, 0)], \
                     refraction: [(0, 1.5), (4.299, 1.5), (4.301, 1.0), (8, 1.0)])";
-    SceneText::new(name, volume, transfer, camera).before(PLACES).with(&[
-        ("isovalue", "4.3"),
-        ("isovalue_unit", "data"),
-        ("solid", "below"),
-        ("refractive_index", "1.5"),
-        ("transmission_color", "[1.0, 1.0, 1.0]"),
-    ])
+    let camera = "orbit(azimuth: 90, elevation: 40, projection: orthographic)";
+    SceneText::new("slab", volume, transfer, camera).before(PLACES)
 }
 
-/// Through the slab, of the light that is not mirrored: parallel to what came in, shifted by Snell's law, onto the plane
-/// two radii of the box behind its middle.
-fn shifted(view: &View, [x, y]: [u32; 2], _: f64) -> Option<[f64; 4]> {
+/// Of a ray through the slab: where it comes in and goes out, its way inside, and Fresnel's share that is mirrored.
+struct Way {
+    direction: DVec3,
+    enters: DVec3,
+    leaves: DVec3,
+    mirrored_share: f64,
+}
+
+fn way(view: &View, [x, y]: [u32; 2]) -> Option<Way> {
     let ray = volgraph_nodes::reference::rays(view).ray(x, y);
     let (origin, direction) = (ray.origin, ray.direction);
-    let down = -direction.z;
-    let sine = (1.0 - down * down).sqrt();
-    let (angle, refracted) = (sine.asin(), (sine / 1.5).asin());
-    let shift = (SLAB_HIGH - SLAB_LOW) * (angle - refracted).sin() / refracted.cos();
-    let aside = (direction.with_z(0.0) / sine * down - DVec3::Z * -sine).normalize();
-    let out = origin - aside * shift;
-    let enters = origin + direction * ((origin.z - SLAB_HIGH) / down);
-    let leaves = out + direction * ((origin.z - SLAB_LOW) / down);
+    let cosine = -direction.z;
+    let inner_cosine = (1.0 - (1.0 - cosine * cosine) / 2.25).sqrt();
+    let enters = origin + direction * ((origin.z - SLAB_HIGH) / cosine);
+    let inner = (direction / 1.5).with_z(-inner_cosine);
+    let leaves = enters + inner * ((SLAB_HIGH - SLAB_LOW) / inner_cosine);
     let is_inside = |p: DVec3| p.x.min(p.y) > 1.0 && p.x.max(p.y) < 31.0;
-    if !is_inside(enters) || !is_inside(leaves) {
-        return None;
-    }
+    let across = (cosine - 1.5 * inner_cosine) / (cosine + 1.5 * inner_cosine);
+    let within = (1.5 * cosine - inner_cosine) / (1.5 * cosine + inner_cosine);
+    (is_inside(enters) && is_inside(leaves)).then_some(Way {
+        direction,
+        enters,
+        leaves,
+        mirrored_share: 0.5 * (across * across + within * within),
+    })
+}
+
+/// The background that a ray meets, on a plane two radii of the box behind its middle, or before it.
+fn beyond(view: &View, from: DVec3, direction: DVec3) -> f64 {
     let camera = &view.camera;
     let dims = DVec3::from_array(SLAB.map(f64::from));
     let middle = (0.5 * (dims - 1.0) - camera.eye).dot(camera.forward);
-    let depth = middle + 2.0 * 0.5 * dims.length();
-    let from = out - camera.eye;
-    let met = from + direction * ((depth - from.dot(camera.forward)) / direction.dot(camera.forward));
-    let place = met.dot(camera.up) / view.lens().half_extent[1];
-    let color = (0.5 * place + 0.5).clamp(0.0, 1.0);
+    let along = direction.dot(camera.forward);
+    let depth = middle + dims.length().copysign(along);
+    let from = from - camera.eye;
+    let met = from + direction * ((depth - from.dot(camera.forward)) / along);
+    (0.5 * met.dot(camera.up) / view.lens().half_extent[1] + 0.5).clamp(0.0, 1.0)
+}
+
+/// Snell's law alone: behind the slab a ray goes on as it came.
+fn refracted(view: &View, pixel: [u32; 2], _: f64) -> Option<[f64; 4]> {
+    let way = way(view, pixel)?;
+    let color = beyond(view, way.leaves, way.direction);
     Some([color, color, color, 1.0])
 }
 
+/// With the shares that both faces mirror.
+fn refracted_and_mirrored(view: &View, pixel: [u32; 2], _: f64) -> Option<[f64; 4]> {
+    let way = way(view, pixel)?;
+    let share = way.mirrored_share;
+    let inner = (way.leaves - way.enters).normalize();
+    let mirrored = beyond(view, way.enters, way.direction.with_z(-way.direction.z));
+    let within = beyond(view, way.leaves, inner.with_z(-inner.z));
+    let through = beyond(view, way.leaves, way.direction);
+    let color = share * mirrored + (1.0 - share) * (share * within + (1.0 - share) * through);
+    Some([color, color, color, 1.0])
+}
+
+fn slab_points() -> Vec<Point> {
+    let scene = slab_scene();
+    [4.0, 1.0, 0.25]
+        .map(|step| Point::new(step, scene.clone().with(&[("step", format!("{step:?}"))])))
+        .into()
+}
+
 fn index_step() -> Case {
-    let camera = "orbit(azimuth: 90, elevation: 40, projection: orthographic)";
-    let scene = slab_scene("index_step", camera);
-    let point = |step: f64| Point::new(step, scene.clone().with(&[("step", format!("{step:?}"))]));
     let bound = Bound {
         of: |_| 0.01,
-        why: "a shift of a quarter of a voxel of the picture's 50",
+        why: "a shift of half a voxel of the picture's 50",
     };
     Case {
         name: "refractive-step",
         breaks: "Where the refractive index jumps within a step, a ray that is bent by sampled gradients turns at the \
-                 wrong place and by the wrong angle; Snell's law at the surface itself does not.",
+                 wrong place and by the wrong angle.",
         swept: "step (voxels)",
         size: SIZE,
         quantity: Quantity::Color,
-        truth: Truth::Form(shifted),
-        points: [4.0, 1.0, 0.25].map(point).into(),
-        methods: vec![
-            Method::fails("refraction", &[("slots.technique", "refraction")], bound),
-            Method::reported(
-                "refraction_surface (with what it mirrors)",
-                &[("slots.technique", "refraction_surface"), ("slots.light", "unlit")],
-                bound,
-            ),
-        ],
+        truth: Truth::Form(refracted),
+        points: slab_points(),
+        methods: vec![Method::fails("refraction", &[("slots.technique", "refraction")], bound)],
+    }
+}
+
+fn snell() -> Case {
+    let bound = Bound {
+        of: |_| 2e-5,
+        why: "the field is linear, so hits and normals are exact: what is left is f32",
+    };
+    Case {
+        name: "refractive-surface",
+        breaks: "The same jump as an isosurface: by Snell's law and Fresnel's equations at the root itself no step \
+                 matters.",
+        swept: "step (voxels)",
+        size: SIZE,
+        quantity: Quantity::Color,
+        truth: Truth::Form(refracted_and_mirrored),
+        points: slab_points(),
+        methods: vec![Method::holds(
+            "refraction_surface",
+            &[
+                ("slots.technique", "refraction_surface"),
+                ("isovalue", "4.3"),
+                ("isovalue_unit", "data"),
+                ("solid", "below"),
+                ("refractive_index", "1.5"),
+                ("transmission_color", "[1.0, 1.0, 1.0]"),
+            ],
+            bound,
+        )],
     }
 }
 
@@ -134,8 +185,6 @@ fn furnace() -> Case {
                 ("isovalue_unit", "data"),
                 ("solid", "below"),
                 ("transmission_color", "[1.0, 1.0, 1.0]"),
-                ("ambient", "0.0"),
-                ("lights", "0"),
             ]);
         Point::named(index, format!("{index}"), scene.with(&[("refractive_index", format!("{index:?}"))]))
     };

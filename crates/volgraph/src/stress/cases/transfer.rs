@@ -32,8 +32,9 @@ fn narrow(classify: &[String]) -> Case {
         Point::new(width, SceneText::new(&format!("narrow_{width}"), ramp(), &transfer, ASLANT))
     };
     let bound = Bound {
-        of: |_| 4e-3,
-        why: "the field is linear, so segments are exact but for the table's 1024 entries; early termination (1/4096)",
+        of: |width| 4e-3 + 2.0 * (1.0 / 1023.0 / width).powi(2),
+        why: "the field is linear, so what is left is the table: a ray that starts or ends in a peak is off by the square \
+              of an entry's share of it",
     };
     Case {
         name: "narrow-transfer",
@@ -55,8 +56,9 @@ fn discontinuous(classify: &[String]) -> Case {
     let scene = SceneText::new("discontinuous", ramp(), transfer, ASLANT);
     let point = |step: f64| Point::new(step, scene.clone().with(&[("step", format!("{step:?}"))]));
     let bound = Bound {
-        of: |_| 4e-3,
-        why: "as for narrow peaks; a jump within an entry of the table is spread over it",
+        of: |_| 0.05,
+        why: "a jump by 1.5 is spread over an entry (1/1023): a quarter of that at both ends of a ray, over the slope of \
+              the scalar, 0.015 a voxel and more",
     };
     Case {
         name: "discontinuous-transfer",
@@ -78,8 +80,9 @@ fn opaque() -> Case {
     let scene = SceneText::new("opaque", ramp(), transfer, ASLANT);
     let point = |step: f64| Point::new(step, scene.clone().with(&[("step", format!("{step:?}"))]));
     let bound = Bound {
-        of: |_| 8e-3,
-        why: "light comes from 1/16 of a voxel; the colour's change over an entry of the table (1/1024 of 5 units)",
+        of: |_| 0.15,
+        why: "a jump by 16 a voxel is spread over an entry (1/1023): a quarter of that at the start of a ray, over the \
+              slope of the scalar, 0.03 a voxel",
     };
     Case {
         name: "opacity-1",
