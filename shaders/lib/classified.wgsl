@@ -7,3 +7,7 @@ struct Classified {
     // The share of light that passes through the segment.
     transmittance: f32,
 }
+
+fn classified_behind(front: Classified, back: Classified) -> Classified {
+    return Classified(front.color + front.transmittance * back.color, front.transmittance * back.transmittance);
+}

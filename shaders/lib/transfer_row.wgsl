@@ -4,6 +4,7 @@ struct Transfer {
     // Texture coordinate of a scalar's entry: scalar * entry_scale + entry_bias.
     entry_scale: f32,
     entry_bias: f32,
+    entries: f32,
     // Entry of the pre-integrated table: (scalar - low) * preintegration_per_scalar, up to the last one.
     low: f32,
     preintegration_per_scalar: f32,
@@ -18,4 +19,14 @@ struct Transfer {
     halvings_per_world: f32,
     // World length of the segments that the pre-integrated table is made for.
     preintegration_length: f32,
+    // The same of the pre-integrated table of half segments.
+    half_per_scalar: f32,
+    half_last: f32,
+    half_length: f32,
+    // Entry of the table of integrals: (scalar - low) * integral_per_scalar, up to the last one.
+    integral_per_scalar: f32,
+    integral_last: f32,
+    // Between these are all of its colours.
+    color_least: vec3f,
+    color_most: vec3f,
 }

@@ -123,6 +123,10 @@ fn tables_are_made_for_the_classification_that_reads_them() {
     assert!(
         !has(&preintegrated, "image.transfer_table") && has(&preintegrated, "image.preintegration")
     );
+    let halves = ["image.slots.classify=second_order"];
+    assert!(has(&halves, "image.preintegration_half") && !has(&halves, "image.preintegration"));
+    let integrals = ["image.slots.classify=integral_1d"];
+    assert!(has(&integrals, "image.integral_table") && !has(&integrals, "image.preintegration"));
 }
 
 #[test]

@@ -269,11 +269,13 @@ fn dimension(ty: PortType) -> Option<TextureDim> {
         | PortType::Scalar2d
         | PortType::Vector2d
         | PortType::Table2d
+        | PortType::Pieces
         | PortType::ImageTexture
         | PortType::LightGrid => Some(TextureDim::D2),
-        PortType::VolumeTexture | PortType::GradientTexture | PortType::LabelTexture => {
-            Some(TextureDim::D3)
-        }
+        PortType::Table3d
+        | PortType::VolumeTexture
+        | PortType::GradientTexture
+        | PortType::LabelTexture => Some(TextureDim::D3),
         PortType::Volume
         | PortType::Transfer
         | PortType::Image

@@ -46,7 +46,8 @@ pub fn demand(
             continue;
         };
         let Some(spec) = kind.program(&NodeContext::new(&graph, id, limits)) else {
-            let used = |_: &str| true;
+            // Without a shader nothing is bound.
+            let used = |_: &str| false;
             call_for(&mut graph, id, registry, &mut made, used, &mut findings);
             is_done.resize(graph.nodes.len(), false);
             continue;
@@ -225,6 +226,8 @@ fn is_texture(ty: crate::PortType) -> bool {
             | P::Vector2d
             | P::Table1d
             | P::Table2d
+            | P::Pieces
+            | P::Table3d
             | P::VolumeTexture
             | P::GradientTexture
             | P::LabelTexture

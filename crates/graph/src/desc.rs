@@ -6,6 +6,7 @@ use volgraph_report::Place;
 use volgraph_shader::ParamValue;
 
 use crate::camera::CameraDesc;
+use crate::quality::QualityDesc;
 
 /// A graph file's content. Names keep the order of the file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -14,6 +15,8 @@ pub struct GraphDesc {
     pub sources: IndexMap<String, SourceDesc>,
     /// The camera; the default one where `None`.
     pub camera: Option<CameraDesc>,
+    /// What the picture may cost, or how wrong it may be; the settings stand as they are where `None`.
+    pub quality: Option<QualityDesc>,
     /// The nodes.
     pub nodes: IndexMap<String, NodeDesc>,
     /// What is wanted: output name → port.

@@ -37,6 +37,10 @@ pub enum PortType {
     Table1d,
     /// A 2D texture of segment colour and optical depth.
     Table2d,
+    /// A 2D texture of what a table of segments is made of.
+    Pieces,
+    /// A 3D texture of segment colour and extinction.
+    Table3d,
     /// A 3D texture of scalars.
     VolumeTexture,
     /// A 3D texture of gradients.
@@ -63,6 +67,8 @@ impl fmt::Display for PortType {
             Self::Vector2d => "vector_2d",
             Self::Table1d => "table_1d",
             Self::Table2d => "table_2d",
+            Self::Pieces => "pieces",
+            Self::Table3d => "table_3d",
             Self::VolumeTexture => "volume_texture",
             Self::GradientTexture => "gradient_texture",
             Self::LabelTexture => "label_texture",

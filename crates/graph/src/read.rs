@@ -13,6 +13,7 @@ use volgraph_shader::ParamValue;
 
 use crate::camera::{CameraDesc, Pose, Projection};
 use crate::desc::{EdgeDesc, GraphDesc, NodeDesc, ParamDesc, SourceDesc};
+use crate::quality::quality;
 
 /// Longest text that is read; a graph of a thousand nodes is shorter.
 const MAX_TEXT_BYTES: usize = 256 << 10;
@@ -46,6 +47,9 @@ pub fn graph(file: &Path, text: &str) -> Result<GraphDesc, Findings> {
     }
     if let Some(value) = fields.take("camera") {
         desc.camera = findings.take_all(camera(&value));
+    }
+    if let Some(value) = fields.take("quality") {
+        desc.quality = findings.take_all(quality(&value));
     }
     if let Some(nodes) = fields.take("nodes") {
         for entry in named(&nodes, "nodes", &mut findings) {
@@ -264,7 +268,11 @@ fn named<'s>(value: &Value<'s>, what: &str, findings: &mut Findings) -> Vec<Entr
     entries
 }
 
-fn source(entry: &Entry<'_>) -> Result<SourceDesc, Findings> {
+/// Reads a source, such as `analytic(field: "sphere")`; it stands where its entry is named.
+///
+/// # Errors
+/// All findings, each with its place.
+pub fn source(entry: &Entry<'_>) -> Result<SourceDesc, Findings> {
     let (kind, entries) = entry.value.variant()?;
     let mut findings = Findings::new();
     let params = params(entries, &mut findings);

@@ -11,12 +11,15 @@ pub mod encoding;
 pub mod false_color;
 pub mod gradient;
 pub mod image_texture;
+pub mod integral_table;
 pub mod label_texture;
 pub mod light_volume;
 pub mod lit_preintegration;
 pub mod material_table;
 pub mod placement;
 pub mod preintegration;
+pub mod preintegration_3d;
+pub mod preintegration_pieces;
 pub mod proxy_box;
 pub mod raycast;
 pub mod reference;
@@ -45,7 +48,11 @@ pub fn registry() -> Registry {
         .add_node(label_texture::LabelTexture)
         .add_node(gradient::Gradient)
         .add_node(transfer_table::TransferTable)
-        .add_node(preintegration::Preintegration)
+        .add_node(preintegration::Preintegration::Whole)
+        .add_node(preintegration::Preintegration::Half)
+        .add_node(integral_table::IntegralTable)
+        .add_node(preintegration_3d::Preintegration3d)
+        .add_node(preintegration_pieces::PreintegrationPieces)
         .add_node(refraction_table::RefractionTable)
         .add_node(material_table::MaterialTable)
         .add_node(lit_preintegration::LitPreintegration::Material)

@@ -1,20 +1,41 @@
-//! `preintegration`: the table of integrals over segments, for one segment length; of several transfer functions, side by
+//! `preintegration` and `preintegration_half`: the table of integrals over segments, for one segment length; of several transfer functions, side by
 //! side in one texture.
+//!
+//! The processor makes it, or a compute shader of the same pieces (`node/preintegration.wgsl`).
+
+use std::collections::BTreeMap;
 
 use volgraph_graph::{
-    InputPort, Limits, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement,
-    ResourceDesc, Size, UploadBytes,
+    Demand, InputPort, Limits, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec,
+    Requirement, ResourceDesc, Size, Uniform, UploadBytes,
 };
 use volgraph_optics::TransferFunction;
 use volgraph_report::Finding;
-use volgraph_shader::ParamSpec;
+use volgraph_shader::{ParamSpec, UniformValue};
 use wgpu_types::TextureFormat;
 
 use crate::placement::volume;
 use crate::transfer_table::transfers;
 
-/// The node kind `preintegration`.
-pub struct Preintegration;
+/// The node kinds of one table each.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preintegration {
+    /// `preintegration`: over segments.
+    Whole,
+    /// `preintegration_half`: over halves of segments.
+    Half,
+}
+
+impl Preintegration {
+    /// The length that it integrates over, in steps.
+    #[must_use]
+    pub fn steps(self) -> f64 {
+        match self {
+            Self::Whole => 1.0,
+            Self::Half => 0.5,
+        }
+    }
+}
 
 /// Inputs of all kinds that integrate over segments.
 pub(crate) const INPUTS: &[InputPort] = &[
@@ -38,6 +59,38 @@ pub(crate) const INPUTS: &[InputPort] = &[
     },
 ];
 
+/// The same for this kind.
+const OWN_INPUTS: &[InputPort] = &[
+    INPUTS[0],
+    INPUTS[1],
+    INPUTS[2],
+    InputPort {
+        name: "preintegration_pieces",
+        ty: PortType::Pieces,
+        requirement: Requirement::Demanded(Demand {
+            kind: "preintegration_pieces",
+            inputs: &[
+                ("transfer", "transfer"),
+                ("segments", "segments"),
+                ("volume", "volume"),
+            ],
+            params: &[
+                ("step", "step"),
+                ("preintegration_size", "preintegration_size"),
+            ],
+            slots: &[],
+        }),
+        doc: "What the table is made of, where the graphics processor makes it.",
+    },
+];
+
+/// Parameters that go on from kinds that call for this one.
+pub(crate) const DEMANDED_PARAMS: &[(&str, &str)] = &[
+    ("step", "step"),
+    ("preintegration_size", "preintegration_size"),
+    ("preintegration_built_on", "preintegration_built_on"),
+];
+
 const OUTPUTS: &[OutputPort] = &[OutputPort {
     name: "table",
     ty: PortType::Table2d,
@@ -55,12 +108,29 @@ pub fn size_param() -> ParamSpec {
     .range(64.0, 4096.0)
 }
 
+/// The parameter that says where the table is made, for kinds that call for this one.
+#[must_use]
+pub fn built_on_param() -> ParamSpec {
+    ParamSpec::choice(
+        "preintegration_built_on",
+        &["cpu", "gpu"],
+        "cpu",
+        "Who makes the pre-integrated table: the processor in float64, or the graphics processor in float32.",
+    )
+}
+
 /// The parameter with the length of the segments.
 pub(crate) fn step_param() -> ParamSpec {
     ParamSpec::float("step", 1.0, "Length of the segments.")
         .range(0.01, 64.0)
         .unit("voxel")
 }
+
+/// The same of halves, which the processor alone makes.
+pub(crate) const DEMANDED_PARAMS_OF_HALVES: &[(&str, &str)] = &[
+    ("step", "step"),
+    ("preintegration_size", "preintegration_size"),
+];
 
 /// The length of the segments in reference lengths.
 pub(crate) fn segment_references(
@@ -72,8 +142,15 @@ pub(crate) fn segment_references(
     Ok(segment_world * transfer.reference_length().extinction_per_world(voxel))
 }
 
+/// Entries that one invocation of the shader makes (`PREINTEGRATION_WINDOWS`), on both sides of the diagonal.
+const WINDOWS: u32 = 32;
+
+fn is_built_on_gpu(node: &NodeContext<'_>) -> bool {
+    node.text("preintegration_built_on") == "gpu"
+}
+
 /// Most bytes of all tables of a node together.
-const MAX_BYTES: u64 = 1 << 30;
+pub(crate) const MAX_BYTES: u64 = 1 << 30;
 
 /// Columns and rows of tables in the texture. One column is enough while the texture is not too high for it.
 #[must_use]
@@ -110,15 +187,28 @@ fn check_sum(node: &NodeContext<'_>, size: u32, count: usize) -> Result<(), Find
 
 impl NodeKind for Preintegration {
     fn name(&self) -> &'static str {
-        "preintegration"
+        match self {
+            Self::Whole => "preintegration",
+            Self::Half => "preintegration_half",
+        }
     }
 
     fn doc(&self) -> &'static str {
-        "Integrates transfer functions over all segments between two scalars (2D pre-integration)."
+        match self {
+            Self::Whole => {
+                "Integrates transfer functions over all segments between two scalars (2D pre-integration)."
+            }
+            Self::Half => {
+                "Integrates transfer functions over all halves of segments between two scalars."
+            }
+        }
     }
 
     fn inputs(&self) -> &[InputPort] {
-        INPUTS
+        match self {
+            Self::Whole => OWN_INPUTS,
+            Self::Half => INPUTS,
+        }
     }
 
     fn outputs(&self) -> &[OutputPort] {
@@ -126,7 +216,23 @@ impl NodeKind for Preintegration {
     }
 
     fn params(&self) -> Vec<ParamSpec> {
-        vec![step_param(), size_param()]
+        match self {
+            Self::Whole => vec![step_param(), size_param(), built_on_param()],
+            Self::Half => vec![step_param(), size_param()],
+        }
+    }
+
+    fn uniforms(&self) -> &[&'static str] {
+        &["preintegration"]
+    }
+
+    fn program(&self, node: &NodeContext<'_>) -> Option<ProgramSpec> {
+        is_built_on_gpu(node).then(|| ProgramSpec {
+            root: "node/preintegration.wgsl",
+            fixed_slots: BTreeMap::new(),
+            entries: vec!["preintegration_compute"],
+            inherited: Vec::new(),
+        })
     }
 
     fn output(&self, _port: &str, node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
@@ -141,12 +247,33 @@ impl NodeKind for Preintegration {
         })
     }
 
+    fn uniform(&self, _name: &str, node: &NodeContext<'_>) -> Result<Uniform, Finding> {
+        let size = node.uint("preintegration_size");
+        let count = transfers(node)?.len();
+        let [columns, _] = tiles(node.limits(), size, count);
+        let count = u32::try_from(count).unwrap_or(u32::MAX);
+        Ok(vec![
+            ("size", UniformValue::U32(size)),
+            ("columns", UniformValue::U32(columns)),
+            ("tables", UniformValue::U32(count)),
+        ])
+    }
+
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         let transfers = transfers(node)?;
+        if is_built_on_gpu(node) {
+            let size = node.uint("preintegration_size");
+            let tables = u32::try_from(transfers.len()).unwrap_or(u32::MAX);
+            return Ok(vec![Pass::Compute {
+                entry: "preintegration_compute",
+                workgroups: [size.div_ceil(WINDOWS * 8), size, tables],
+                constants: Vec::new(),
+            }]);
+        }
         let references: Vec<f64> = transfers
             .iter()
-            .map(|transfer| segment_references(node, transfer))
-            .collect::<Result<_, _>>()?;
+            .map(|transfer| Ok(self.steps() * segment_references(node, transfer)?))
+            .collect::<Result<_, Finding>>()?;
         let size = node.uint("preintegration_size");
         let [columns, rows] = tiles(node.limits(), size, transfers.len()).map(|n| n as usize);
         let bytes = UploadBytes::new(move || {

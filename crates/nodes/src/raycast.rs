@@ -15,16 +15,16 @@ use volgraph_shader::{ParamSpec, UniformValue};
 use wgpu_types::TextureFormat;
 
 use self::ports::{INPUTS, LAYERS, OUTPUTS, SLOTS};
-use self::tables::{check_table_sizes, check_tables_of_labels};
 pub use self::tables::data_value;
-pub(crate) use self::tables::{table_range, transfer_uniform};
+pub(crate) use self::tables::{TablePorts, table_range, transfer_uniform};
+use self::tables::{check_table_sizes, check_tables_of_labels};
 pub(crate) use self::walk::{MAX_SEGMENTS, check_walk, longest_ray, walk_slots};
 
 use crate::background::Background;
 use crate::source::segments::SegmentsSource;
 use crate::{
-    clip_volume, light_volume, lit_preintegration, placement, preintegration, proxy_box,
-    segmentation, transfer_table, volume_texture,
+    clip_volume, light_volume, lit_preintegration, placement, preintegration, preintegration_3d,
+    proxy_box, segmentation, transfer_table, volume_texture,
 };
 
 /// The node kind `raycast`.
@@ -85,9 +85,13 @@ impl NodeKind for Raycast {
             clip_volume::storage_param(),
             transfer_table::size_param(),
             preintegration::size_param(),
+            preintegration::built_on_param(),
             label_boundary,
             label_placement,
         ]
+        .into_iter()
+        .chain(preintegration_3d::params())
+        .collect()
     }
 
     fn slots(&self) -> &[SlotSpec] {
@@ -101,6 +105,7 @@ impl NodeKind for Raycast {
             "transfer",
             "transfers",
             "lit_tables",
+            "preintegration_3d",
             "segmentation",
             "tile",
             "light_grid",
@@ -181,7 +186,7 @@ impl NodeKind for Raycast {
             "clip_placement" => placement::uniform_at(node, "clip_volume"),
             "transfer" => {
                 let transfer = transfer_table::transfer(node, "transfer")?;
-                transfer_uniform(node, &transfer, ["transfer_table", "preintegration_table"])
+                transfer_uniform(node, &transfer, &TablePorts::ONE)
             }
             "transfers" => segmentation::transfers_uniform(node),
             "segmentation" => segmentation::uniform(node),
@@ -189,6 +194,7 @@ impl NodeKind for Raycast {
                 light_volume::uniform(node, &node.writer("light_volume").unwrap_or(*node))
             }
             "lit_tables" => lit_preintegration::uniform(node),
+            "preintegration_3d" => preintegration_3d::uniform(node),
             _ => Ok(vec![(
                 "first",
                 UniformValue::UVec2(tile(node)?.map_or([0; 2], |tile| [tile[0], tile[1]])),

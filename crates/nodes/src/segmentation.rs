@@ -6,9 +6,10 @@ use volgraph_optics::TransferFunction;
 use volgraph_report::Finding;
 use volgraph_shader::{ParamSpec, UniformValue};
 
+use crate::integral_table;
 use crate::placement::{columns, f32_value, texture_from_world, vec3, volume};
 use crate::preintegration::tiles;
-use crate::raycast::transfer_uniform;
+use crate::raycast::{TablePorts, transfer_uniform};
 use crate::source::segments::{LABELS, SegmentsSource};
 use crate::transfer_table::transfers;
 
@@ -131,10 +132,8 @@ fn rows(node: &NodeContext<'_>) -> UniformValue {
 /// # Errors
 /// `missing-input` where a label that is drawn has no transfer function; `over-limit`.
 pub fn transfers_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
-    let reads_tables = ["transfer_tables", "preintegration_tables"]
-        .iter()
-        .any(|table| node.uses_binding(table));
-    let all = if reads_tables {
+    let ports = TablePorts::MANY;
+    let all = if ports.are_read(node) {
         check_each_has_one(node)?;
         transfers(node)?
     } else {
@@ -148,28 +147,33 @@ pub fn transfers_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
         );
         return Err(node.error("over-limit", message));
     }
-    let size = node
-        .writer("preintegration_tables")
-        .map_or(1, |writer| writer.uint("preintegration_size").max(1));
-    let [table_columns, _] = tiles(node.limits(), size, all.len());
-    let count = all.len();
+    // The first entry of a table in the texture of all.
+    let count = u32::try_from(all.len()).unwrap_or(u32::MAX);
+    let tile = |port: &str, at: u32| {
+        let size = node
+            .writer(port)
+            .map_or(1, |writer| writer.uint("preintegration_size").max(1));
+        let [columns, _] = tiles(node.limits(), size, count as usize);
+        UniformValue::UVec2([at % columns * size, at / columns * size])
+    };
     let mut rows = Vec::with_capacity(MAX_TRANSFERS);
     for (at, transfer) in (0_u32..).zip(&all) {
-        let members =
-            transfer_uniform(node, transfer, ["transfer_tables", "preintegration_tables"])?;
-        let members = members
+        let members = transfer_uniform(node, transfer, &ports)?
             .into_iter()
             .map(|(name, value)| (name.to_owned(), value));
-        let tile = [at % table_columns * size, at / table_columns * size];
-        #[expect(clippy::cast_precision_loss, reason = "at most 256")]
-        let place = (f64::from(at) + 0.5) / count as f64;
+        let place = (f64::from(at) + 0.5) / f64::from(count);
         rows.push(UniformValue::Struct(vec![
             (
                 "transfer".to_owned(),
                 UniformValue::Struct(members.collect()),
             ),
-            ("tile".to_owned(), UniformValue::UVec2(tile)),
+            ("tile".to_owned(), tile(ports.preintegration, at)),
             ("place".to_owned(), f32_value(place)),
+            (
+                "integral_row".to_owned(),
+                UniformValue::U32(integral_table::ROWS * at),
+            ),
+            ("half_tile".to_owned(), tile(ports.half, at)),
         ]));
     }
     // Rows that no label means are as the first.

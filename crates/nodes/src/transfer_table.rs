@@ -17,7 +17,8 @@ use crate::source::transfer::TransferSource;
 /// The node kind `transfer_table`.
 pub struct TransferTable;
 
-const INPUTS: &[InputPort] = &[
+/// Inputs of all kinds of tables over one scalar with rows for each transfer function.
+pub(crate) const INPUTS: &[InputPort] = &[
     InputPort {
         name: "transfer",
         ty: PortType::Transfer,
@@ -128,6 +129,6 @@ impl NodeKind for TransferTable {
 }
 
 /// How many rows that are.
-fn row_count(transfers: &[Arc<TransferFunction>]) -> u32 {
+pub(crate) fn row_count(transfers: &[Arc<TransferFunction>]) -> u32 {
     u32::try_from(transfers.len()).unwrap_or(u32::MAX)
 }

@@ -2,8 +2,9 @@
 //!
 //! The way of the data: a RON text ([`mod@file`] has the grammar) becomes a [`TransferFunction`], which gives linear
 //! RGB and extinction for any scalar in float64; from it come the [`PostTable`] (one scalar in) and the
-//! [`PreintegratedTable`] (the scalars at a segment's two ends in), both in the `vec4<f32>` layout that a
-//! shader's texture or buffer takes. What a scalar makes of light ([`Material`]) has such tables of its own
+//! [`PreintegratedTable`] (the scalars at a segment's two ends in; with its length in too, the [`PreintegratedTable3d`]),
+//! all in the `vec4<f32>` layout that a shader's texture or buffer takes; and the [`IntegralTable`], whose differences are
+//! means between two scalars. What a scalar makes of light ([`Material`]) has such tables of its own
 //! ([`PreintegratedMaterial`]), and so has the place in a segment that its light comes from
 //! ([`PreintegratedMoments`]).
 //!
@@ -24,7 +25,10 @@ mod transfer;
 pub use color_map::color_map_names;
 pub use material::Material;
 pub use post::PostTable;
-pub use preintegrated::{PreintegratedMaterial, PreintegratedMoments, PreintegratedTable};
+pub use preintegrated::{
+    IntegralTable, PreintegratedMaterial, PreintegratedMoments, PreintegratedTable,
+    PreintegratedTable3d, PreintegrationPiece, PreintegrationPieces,
+};
 pub use transfer::{
     Domain, MAX_EXTINCTION_FROM_OPACITY, ReferenceLength, Smooth, TransferFunction,
     extinction_from_opacity, opacity_from_extinction,
@@ -38,6 +42,16 @@ pub enum OpticsError {
     TableSize {
         /// Which table.
         table: &'static str,
+        /// The number asked for.
+        asked: u32,
+        /// The smallest allowed.
+        min: u32,
+        /// The largest allowed.
+        max: u32,
+    },
+    /// A table of this many layers, one for each of several lengths.
+    #[error("a pre-integrated table of {asked} layers is refused; ask for {min} to {max}")]
+    Layers {
         /// The number asked for.
         asked: u32,
         /// The smallest allowed.

@@ -267,6 +267,18 @@ impl TransferFunction {
         Some((first[0].0, last[1].0))
     }
 
+    /// The least and the most that each channel of its colours is, over all scalars.
+    #[must_use]
+    pub fn color_bounds(&self) -> [[f64; 3]; 2] {
+        let colors = || self.color.curve.points().iter().map(|(_, color)| *color);
+        let most = |sign: f64| {
+            colors().fold([-f64::INFINITY; 3], |best: [f64; 3], color| {
+                std::array::from_fn(|i| best[i].max(sign * color[i]))
+            })
+        };
+        [most(-1.0).map(|value| -value), most(1.0)]
+    }
+
     /// The scalars, rising, each once, between which colour and extinction are smooth: the control points, the
     /// samples of a colour map, and where a rising opacity meets its cap. They may lie outside the range.
     #[must_use]

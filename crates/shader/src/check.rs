@@ -17,7 +17,7 @@ use volgraph_report::{Finding, Findings, Place, near_names};
 use crate::layout::Layouts;
 use crate::link::{LinkRequest, link};
 use crate::params::doc::shader_param;
-use crate::{Linked, ParamSpec, ShaderRoots, recover};
+use crate::{Linked, ParamSpec, ShaderRoots, order, recover};
 
 /// naga recurses over declarations that refer to each other and over nested statements: room for the longest
 /// chain that a linked text of the largest size can have. Only what is touched is ever committed.
@@ -179,7 +179,12 @@ pub(crate) fn declarations(
                 &Layouts::new(module, linked).member_type(inner),
             ))
         })
-        .collect();
+        .collect::<Vec<_>>();
+    // In a draft without what is faulty, parameters may be missing.
+    let are_all_known = params.len() == linked.params.len();
+    for file in linked.files.iter().filter(|_| are_all_known) {
+        findings.take_all(order::check(file, &params));
+    }
     findings.into_result(params)
 }
 

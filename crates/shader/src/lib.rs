@@ -18,6 +18,7 @@ mod link;
 mod linked;
 mod lookup;
 mod names;
+pub mod order;
 pub mod params;
 mod recover;
 mod reflect;
@@ -37,6 +38,7 @@ pub use guard::{GuardRequest, GuardSite, Guarded, Hazard, guard};
 pub use layout::{Member, MemberType, ScalarType, StructLayout};
 pub use link::{LinkRequest, link};
 pub use linked::{Linked, LinkedFile, SegmentMap};
+pub use order::DeclaredOrder;
 pub use params::{ParamSpec, ParamType, ParamValue};
 pub use reflect::{
     Binding, BindingKind, EntryPoint, NEAREST_SAMPLER, OverrideSpec, TextureDim, TextureSample,

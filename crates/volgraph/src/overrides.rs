@@ -167,7 +167,11 @@ impl Overrides {
 }
 
 /// The name of the source that `--volume` means.
-fn volume_source(desc: &GraphDesc, name: &str, place: &Place) -> Result<String, Finding> {
+pub(crate) fn volume_source(
+    desc: &GraphDesc,
+    name: &str,
+    place: &Place,
+) -> Result<String, Finding> {
     if !name.is_empty() {
         return Ok(name.to_owned());
     }

@@ -1,5 +1,6 @@
 // Colour and opacity of a segment: the transfer function at the scalar of the segment's centre (midpoint rule).
 // Order of convergence 2 in the step for smooth transfer functions.
+// @order 2
 #import "lib/classified.wgsl"
 #import "lib/transfer.wgsl"
 #import slot "reconstruct"

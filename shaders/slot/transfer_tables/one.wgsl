@@ -5,6 +5,8 @@
 @group(2) @binding(0) var<uniform> transfer: Transfer;
 @group(2) @binding(1) var transfer_table: texture_2d<f32>;
 @group(2) @binding(2) var preintegration_table: texture_2d<f32>;
+@group(2) @binding(6) var integral_table: texture_2d<f32>;
+@group(2) @binding(7) var preintegration_half_table: texture_2d<f32>;
 @group(2) @binding(5) var nearest_sampler: sampler;
 
 // The entry at a texture coordinate. The nearest one: with 8192 entries its rounding is below the error of the
@@ -16,6 +18,16 @@ fn transfer_entry(place: f32) -> vec4f {
 // The pre-integrated table at a place between its entries.
 fn transfer_entries(place: vec2f) -> vec4f {
     return between_entries(preintegration_table, place, transfer.preintegration_last, vec2i(0));
+}
+
+// The pre-integrated table of half segments at a place between its entries.
+fn transfer_half_entries(place: vec2f) -> vec4f {
+    return between_entries(preintegration_half_table, place, transfer.half_last, vec2i(0));
+}
+
+// The table of integrals (see `transfer_mean`).
+fn transfer_integral(column: i32, row: i32) -> vec4f {
+    return textureLoad(integral_table, vec2i(column, row), 0);
 }
 
 // Makes the tables those of a row.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use proptest::prelude::*;
-use volgraph_graph::{Pose, Projection, read};
+use volgraph_graph::{Budget, Pose, Projection, read};
 use volgraph_shader::ParamValue;
 
 use crate::{codes, graph_text};
@@ -50,6 +50,28 @@ fn every_part_of_a_graph_is_read() {
         camera.projection,
         Projection::Orthographic { height: Some(2.0) }
     );
+}
+
+#[test]
+fn a_budget_has_one_side() {
+    let with = |quality: &str| {
+        graph(&WHOLE.replacen("nodes:", &format!("quality: {quality},\n nodes:"), 1))
+    };
+    let budget = |quality: &str| with(quality).unwrap().quality.unwrap().budget;
+    assert_eq!(budget("budget(rmse: 0.002)"), Budget::Rmse(0.002));
+    assert_eq!(budget("budget(time_ms: 40)"), Budget::TimeMs(40.0));
+    assert_eq!(graph(WHOLE).unwrap().quality, None);
+    for (quality, code) in [
+        ("budget()", "missing-field"),
+        ("budget(rmse: 0.1, time_ms: 3)", "exclusive-fields"),
+        ("budget(rmse: 0)", "bad-budget"),
+        ("budget(rmse: -0.1)", "bad-budget"),
+        ("budget(time_ms: 1e99)", "bad-budget"),
+        ("budget(rms: 0.1)", "unknown-field"),
+        ("best", "unknown-quality"),
+    ] {
+        assert_eq!(codes(&with(quality).unwrap_err()), [(code, 4)], "{quality}");
+    }
 }
 
 #[test]

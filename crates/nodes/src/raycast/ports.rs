@@ -3,7 +3,7 @@
 use volgraph_graph::{Demand, InputPort, OutputPort, PortType, Requirement, SlotSpec};
 
 use crate::lit_preintegration::{self, LitPreintegration};
-use crate::material_table;
+use crate::{material_table, preintegration};
 
 pub(super) const INPUTS: &[InputPort] = &[
     InputPort {
@@ -129,13 +129,48 @@ pub(super) const INPUTS: &[InputPort] = &[
         requirement: Requirement::Demanded(Demand {
             kind: "preintegration",
             inputs: &[("transfer", "transfer"), ("volume", "volume")],
-            params: &[
-                ("step", "step"),
-                ("preintegration_size", "preintegration_size"),
-            ],
+            params: preintegration::DEMANDED_PARAMS,
             slots: &[],
         }),
         doc: "The transfer function integrated over segments.",
+    },
+    InputPort {
+        name: "preintegration_half_table",
+        ty: PortType::Table2d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "preintegration_half",
+            inputs: &[("transfer", "transfer"), ("volume", "volume")],
+            params: preintegration::DEMANDED_PARAMS_OF_HALVES,
+            slots: &[],
+        }),
+        doc: "The transfer function integrated over halves of segments.",
+    },
+    InputPort {
+        name: "integral_table",
+        ty: PortType::Table1d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "integral_table",
+            inputs: &[("transfer", "transfer")],
+            params: &[("table_size", "table_size")],
+            slots: &[],
+        }),
+        doc: "The transfer function's integrals over the scalar.",
+    },
+    InputPort {
+        name: "preintegration_3d_table",
+        ty: PortType::Table3d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "preintegration_3d",
+            inputs: &[("transfer", "transfer"), ("volume", "volume")],
+            params: &[
+                ("step", "step"),
+                ("preintegration_3d_size", "preintegration_3d_size"),
+                ("preintegration_3d_layers", "preintegration_3d_layers"),
+                ("preintegration_3d_longest", "preintegration_3d_longest"),
+            ],
+            slots: &[],
+        }),
+        doc: "The transfer function integrated over segments of all lengths.",
     },
     InputPort {
         name: "label_texture",
@@ -169,13 +204,36 @@ pub(super) const INPUTS: &[InputPort] = &[
                 ("segments", "segments"),
                 ("volume", "volume"),
             ],
-            params: &[
-                ("step", "step"),
-                ("preintegration_size", "preintegration_size"),
-            ],
+            params: preintegration::DEMANDED_PARAMS,
             slots: &[],
         }),
         doc: "The transfer functions of all labels integrated over segments.",
+    },
+    InputPort {
+        name: "preintegration_half_tables",
+        ty: PortType::Table2d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "preintegration_half",
+            inputs: &[
+                ("transfer", "transfer"),
+                ("segments", "segments"),
+                ("volume", "volume"),
+            ],
+            params: preintegration::DEMANDED_PARAMS_OF_HALVES,
+            slots: &[],
+        }),
+        doc: "The transfer functions of all labels integrated over halves of segments.",
+    },
+    InputPort {
+        name: "integral_tables",
+        ty: PortType::Table1d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "integral_table",
+            inputs: &[("transfer", "transfer"), ("segments", "segments")],
+            params: &[("table_size", "table_size")],
+            slots: &[],
+        }),
+        doc: "The integrals of all labels' transfer functions.",
     },
     InputPort {
         name: "environment",

@@ -1,12 +1,14 @@
 //! The tables of transfer functions that a raycast reads: the uniform of one, and whether they fit.
 
-use volgraph_graph::{InputPort, NodeContext, Requirement, Uniform};
-use volgraph_optics::{Domain, TransferFunction};
+use volgraph_graph::{InputPort, NodeContext, NodeKind, Requirement, Uniform};
+use volgraph_optics::{Domain, IntegralTable, TransferFunction};
 use volgraph_report::Finding;
+use volgraph_shader::UniformValue;
 use volgraph_volume::Volume;
 
 use super::ports::INPUTS;
 use crate::placement::{self, f32_value};
+use crate::preintegration::Preintegration;
 use crate::segmentation;
 
 /// The table nodes may be the user's own, with sizes of their own.
@@ -15,12 +17,17 @@ pub(super) fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
         ("transfer_table", "table_size"),
         ("refraction_table", "table_size"),
         ("preintegration_table", "preintegration_size"),
+        ("preintegration_3d_table", "preintegration_3d_layers"),
         ("material_table", "table_size"),
         ("material_preintegration_table", "preintegration_size"),
         ("material_moments_table", "preintegration_size"),
         ("emission_moments_table", "preintegration_size"),
         ("transfer_tables", "table_size"),
         ("preintegration_tables", "preintegration_size"),
+        ("preintegration_half_table", "preintegration_size"),
+        ("preintegration_half_tables", "preintegration_size"),
+        ("integral_table", "table_size"),
+        ("integral_tables", "table_size"),
     ] {
         if let Some(writer) = node.writer(port)
             && writer.uint(param) < 2
@@ -62,11 +69,41 @@ pub(super) fn check_tables_of_labels(node: &NodeContext<'_>) -> Result<(), Findi
 /// Beyond all scalars, in f32.
 const NO_SCALAR: f64 = 3.0e38;
 
+/// The ports of the tables of one transfer function, or of many.
+pub(crate) struct TablePorts {
+    pub transfer: &'static str,
+    pub preintegration: &'static str,
+    pub half: &'static str,
+    pub integral: &'static str,
+}
+
+impl TablePorts {
+    pub const ONE: Self = Self {
+        transfer: "transfer_table",
+        preintegration: "preintegration_table",
+        half: "preintegration_half_table",
+        integral: "integral_table",
+    };
+    pub const MANY: Self = Self {
+        transfer: "transfer_tables",
+        preintegration: "preintegration_tables",
+        half: "preintegration_half_tables",
+        integral: "integral_tables",
+    };
+
+    /// Whether a node's shader reads any of them.
+    pub fn are_read(&self, node: &NodeContext<'_>) -> bool {
+        [self.transfer, self.preintegration, self.half, self.integral]
+            .iter()
+            .any(|table| node.uses_binding(table))
+    }
+}
+
 /// The members of the uniform `transfer` (see `lib/transfer_row.wgsl`), for tables at these ports.
 pub(crate) fn transfer_uniform(
     node: &NodeContext<'_>,
     transfer: &TransferFunction,
-    [table, preintegration_table]: [&str; 2],
+    ports: &TablePorts,
 ) -> Result<Uniform, Finding> {
     let volume = placement::volume(node, "volume")?;
     let scalar = |at: f64| data_value(volume, transfer.domain(), at);
@@ -75,12 +112,28 @@ pub(crate) fn transfer_uniform(
         node.writer(port)
             .map_or(1.0, |writer| f64::from(writer.uint(param).max(2) - 1))
     };
-    let entries = last(table, "table_size");
+    let entries = last(ports.transfer, "table_size");
     let refraction = last("refraction_table", "table_size");
-    let preintegration = last(preintegration_table, "preintegration_size");
-    let preintegration_step = node
-        .writer(preintegration_table)
-        .map_or(1.0, |writer| writer.float("step"));
+    let preintegration = last(ports.preintegration, "preintegration_size");
+    let half = last(ports.half, "preintegration_size");
+    // A table of the user's own may be of the other kind.
+    let length = |port: &str| {
+        node.writer(port).map_or(voxel, |writer| {
+            let is_half = writer.kind_name() == Preintegration::Half.name();
+            let kind = if is_half {
+                Preintegration::Half
+            } else {
+                Preintegration::Whole
+            };
+            kind.steps() * writer.float("step") * voxel
+        })
+    };
+    let integral = node.writer(ports.integral).map_or(1.0, |writer| {
+        f64::from(IntegralTable::cells(writer.uint("table_size")))
+    });
+    let [color_least, color_most] = transfer
+        .color_bounds()
+        .map(|color| UniformValue::Vec3(color.map(|value| value as f32)));
     let (low, span) = table_range(node, transfer)?;
     // Shaders count scalars from the encoding's reference.
     let reference = placement::encoding(node)?.reference;
@@ -114,8 +167,16 @@ pub(crate) fn transfer_uniform(
         ),
         (
             "preintegration_length",
-            f32_value(preintegration_step * voxel),
+            f32_value(length(ports.preintegration)),
         ),
+        ("entries", f32_value(entries + 1.0)),
+        ("half_per_scalar", f32_value(half / span)),
+        ("half_last", f32_value(half)),
+        ("half_length", f32_value(length(ports.half))),
+        ("integral_per_scalar", f32_value(integral / span)),
+        ("integral_last", f32_value(integral)),
+        ("color_least", color_least),
+        ("color_most", color_most),
     ])
 }
 

@@ -1,10 +1,9 @@
-//! What the transfer function does between two neighbouring entries, integrated once for all segment lengths.
+//! What the transfer function does between two neighbouring entries, integrated once for all lengths of a segment.
 //!
-//! A cell is cut at the knots inside it. Over each piece the colour is linear in the scalar and the extinction
-//! is linear, or `-ln(1 - α)` of a linear opacity: its integral is known in closed form. The colour is then
-//! taken as linear in the share of the piece's optical depth passed, with the mean and the first moment that it
-//! really has, and that can be integrated exactly against the attenuation for any length.
+//! A cell is cut at the knots inside it. Over each [`Piece`] the colour is linear in the scalar and the extinction is
+//! linear, or `-ln(1 - α)` of a linear opacity: its integral is known in closed form.
 
+use super::piece::Piece;
 use super::{Composite, Stretch};
 use crate::post::node;
 use crate::transfer::Absorption;
@@ -34,18 +33,6 @@ fn gauss(f: impl Fn(f64) -> f64) -> f64 {
     GAUSS.iter().map(|&(x, w)| w * f(x)).sum()
 }
 
-/// A part of a cell without a knot inside.
-pub(super) struct Piece {
-    /// Its share of the cell's length.
-    share: f64,
-    /// Mean extinction per reference length.
-    extinction: f64,
-    /// Mean colour, weighted by extinction.
-    color: [f64; 3],
-    /// Change of colour over the piece's optical depth, towards higher scalars.
-    slope: [f64; 3],
-}
-
 /// The `n - 1` cells between `n` entries.
 pub(super) struct Cells<P> {
     pieces: Vec<P>,
@@ -53,10 +40,29 @@ pub(super) struct Cells<P> {
     starts: Vec<usize>,
 }
 
-impl Cells<Piece> {
-    pub(super) fn integrate(transfer: &TransferFunction, n: u32) -> Self {
-        let piece = |from, to, share| Piece::integrate(transfer, from, to, share);
+impl Cells<Piece<3>> {
+    /// Good for cells of up to `longest` reference lengths; with so much `more` extinction everywhere, next to nothing.
+    pub(super) fn integrate(transfer: &TransferFunction, n: u32, longest: f64, more: f64) -> Self {
+        let piece = |from, to, share| {
+            let (low, high) = transfer.color.curve.over(from, to);
+            let change: [f64; 3] = std::array::from_fn(|i| high[i] - low[i]);
+            let color = |t: f64| (std::array::from_fn(|i| low[i] + t * change[i]), change);
+            let profile = Profile::over(&transfer.absorption, from, to);
+            Piece::new(profile, share, longest, color).with_extinction(more)
+        };
         Self::of_pieces(transfer, n, &transfer.knots(), piece)
+    }
+
+    /// `∫ c τ` and `∫ τ` over cell `cell`, a cell being 1 wide: means are over the depth.
+    pub(super) fn integral(&self, cell: usize) -> [f64; 4] {
+        let mut sum = [0.0; 4];
+        for piece in self.pieces(cell) {
+            let depth = piece.share * piece.extinction;
+            for (sum, c) in sum.iter_mut().zip(piece.mean.into_iter().chain([1.0])) {
+                *sum += c * depth;
+            }
+        }
+        sum
     }
 
     /// Cell `cell` where it is `length` reference lengths long.
@@ -104,57 +110,8 @@ impl<P> Cells<P> {
     }
 }
 
-impl Piece {
-    fn integrate(transfer: &TransferFunction, from: f64, to: f64, share: f64) -> Self {
-        let profile = Profile::over(&transfer.absorption, from, to);
-        let (at_from, at_to) = transfer.color.curve.over(from, to);
-        let extinction = profile.integral(1.0);
-        // With x(t) the share of optical depth passed at t, and c(t) linear: the mean of c over x is
-        // c₀ + Δc (1 - ∫x dt), and its first moment ∫c (x - ½) dx = Δc ∫ x (1 - x) dt / 2, by parts.
-        let passed = |t: f64| {
-            if extinction > 0.0 {
-                profile.integral(t) / extinction
-            } else {
-                t
-            }
-        };
-        let mean = 1.0 - gauss(passed);
-        let slope = 6.0 * gauss(|t| passed(t) * (1.0 - passed(t)));
-        let change: [f64; 3] = std::array::from_fn(|i| at_to[i] - at_from[i]);
-        Self {
-            share,
-            extinction,
-            color: std::array::from_fn(|i| at_from[i] + mean * change[i]),
-            slope: change.map(|c| slope * c),
-        }
-    }
-
-    fn stretch(&self, length: f64) -> Stretch<3> {
-        let depth = self.extinction * self.share * length;
-        let transmittance = (-depth).exp();
-        let opacity = opacity_from_extinction(depth);
-        let skew = skew(depth, opacity, transmittance);
-        Stretch {
-            rising: std::array::from_fn(|i| self.color[i] * opacity + self.slope[i] * skew),
-            falling: std::array::from_fn(|i| self.color[i] * opacity - self.slope[i] * skew),
-            depth,
-            transmittance,
-        }
-    }
-}
-
-/// `∫₀¹ (x - ½) T exp(-T x) dx`, at most 0: how much more the near half of a piece of depth `T` is seen.
-pub(super) fn skew(depth: f64, opacity: f64, transmittance: f64) -> f64 {
-    if depth < 1e-2 {
-        // The closed form cancels here; the next term of the series is below 1e-15.
-        let t = depth;
-        t * t * (-1.0 / 12.0 + t * (1.0 / 24.0 + t * (-1.0 / 80.0 + t / 360.0)))
-    } else {
-        opacity / depth - transmittance - 0.5 * opacity
-    }
-}
-
 /// The extinction over a piece, at `t` in 0..1.
+#[derive(Clone, Copy)]
 pub(super) enum Profile {
     /// `-ln(1 - α)` of an opacity that goes linearly from the first to the second, both below the cap.
     Opacity(f64, f64),
@@ -176,6 +133,32 @@ impl Profile {
                     Self::Opacity(a.min(cap), b.min(cap))
                 }
             }
+        }
+    }
+
+    /// From `t0` to `t1` alone.
+    pub(super) fn part(self, t0: f64, t1: f64) -> Self {
+        let between = |a: f64, b: f64| (a + t0 * (b - a), a + t1 * (b - a));
+        match self {
+            Self::Opacity(a, b) => {
+                let (a, b) = between(a, b);
+                Self::Opacity(a, b)
+            }
+            Self::Linear(a, b) => {
+                let (a, b) = between(a, b);
+                Self::Linear(a, b)
+            }
+        }
+    }
+
+    /// Whether an end is near the logarithm's pole, where rules of points need help.
+    pub(super) fn is_at_pole(self) -> bool {
+        match self {
+            Self::Opacity(a, b) => {
+                let (u, v) = (1.0 - a, 1.0 - b);
+                u.max(v) > 3.0 * u.min(v)
+            }
+            Self::Linear(..) => false,
         }
     }
 
@@ -224,22 +207,5 @@ mod tests {
         }
         // ∫₀¹ -ln(1 - α) dα = 1, but for the last bit below the cap.
         assert!((mean_extinction(0.0, 1.0 - 1e-12) - 1.0).abs() < 1e-10);
-    }
-
-    #[test]
-    fn the_skew_is_continuous_where_its_form_changes_and_agrees_with_sums() {
-        for depth in [1e-4, 9.999e-3, 1.0001e-2, 0.5, 3.0, 40.0] {
-            let n = 100_000;
-            let x = |i: i32| (f64::from(i) + 0.5) / f64::from(n);
-            let sum = (0..n)
-                .map(|i| (x(i) - 0.5) * depth * (-depth * x(i)).exp())
-                .sum::<f64>()
-                / f64::from(n);
-            let value = skew(depth, opacity_from_extinction(depth), (-depth).exp());
-            assert!(
-                (value - sum).abs() < 1e-7 * depth * depth.min(1.0),
-                "{depth}: {value} and {sum}"
-            );
-        }
     }
 }

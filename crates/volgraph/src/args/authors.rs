@@ -40,8 +40,39 @@ pub enum NewSlot {
 #[derive(ClapArgs, Debug)]
 pub struct TestArgs {
     /// Case files, and folders that hold some.
-    #[arg(required = true)]
+    #[arg(required_unless_present = "scenes")]
     pub paths: Vec<PathBuf>,
+    /// Only expectations whose name, such as `tests/glow.ron: finite [image.step=0.5]`, has this in it; may be given again
+    /// for more.
+    #[arg(short, long, value_name = "WORDS")]
+    pub filter: Vec<String>,
+    /// A filter is a whole name, with or without its settings, or a case's file, or its name alone.
+    #[arg(long, requires = "filter")]
+    pub exact: bool,
+    /// List what would be run, and run nothing.
+    #[arg(long)]
+    pub list: bool,
+    /// List volgraph's own scenes, in which a slot can be tested without a graph.
+    #[arg(long)]
+    pub scenes: bool,
+    /// Cases that run at the same time, each on a device of its own; by default as many as there are cores, at most 4.
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub jobs: Option<u16>,
+    /// Begin no case after one that failed.
+    #[arg(long)]
+    pub fail_fast: bool,
+    /// Run expectations of times as well, one case after the other.
+    #[arg(long)]
+    pub timing: bool,
+    /// Write the stored pictures instead of comparing with them: look at them before you keep them.
+    #[arg(long)]
+    pub bless: bool,
+    /// Write the results as JUnit XML, which most CI systems read.
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
+    /// Write a page with pictures, differences and curves into this folder.
+    #[arg(long, value_name = "FOLDER")]
+    pub html: Option<PathBuf>,
     /// Where shaders are.
     #[command(flatten)]
     pub shaders: ShaderArgs,

@@ -3,35 +3,74 @@
 use volgraph_graph::{GraphDesc, is_embedded, read};
 use volgraph_report::{Finding, Findings, Place};
 
-use super::{Case, ExpectationKind, GraphName, Set};
+use super::{Case, CaseOptions, Expectation, ExpectationKind, GraphName, Set, Sweep};
 use crate::overrides::unknown;
 use crate::{embedded, scene};
 
 impl Case {
-    /// Whether the graphs that it names are there and have the nodes and sources that it sets. What is wrong within a
-    /// graph is told where that is checked or rendered.
+    /// Whether the graphs that it names are there and have the nodes, sources and slots that it sets. What is wrong
+    /// within a graph is told where that is checked or rendered.
     #[must_use]
     pub fn check(&self) -> Findings {
+        self.check_with(&CaseOptions::default())
+    }
+
+    /// The same, with shaders looked for where these options say.
+    #[must_use]
+    pub fn check_with(&self, options: &CaseOptions) -> Findings {
         let mut findings = Findings::new();
         let own = known_names(&self.graph, &mut findings);
+        if let (Some(desc), false) = (&own, self.slots.is_empty()) {
+            let node = desc.nodes.get(&self.node);
+            if node.is_none() {
+                let place = &self.slots[0].place;
+                let finding = unknown(&self.node, place, desc.nodes.keys());
+                findings.push(finding.help("name the node of the slots: `node: \"image\"`"));
+            }
+            findings.extend(self.check_slots(node.map(|node| node.kind.as_str()), options));
+        }
         let mut settings: Vec<(&Option<GraphDesc>, &Set)> =
             self.set.iter().map(|set| (&own, set)).collect();
+        if let Sweep::Product(axes) = &self.sweep {
+            // A name that is wrong is told once, at the first of its values.
+            settings.extend(axes.iter().filter_map(|axis| Some((&own, axis.first()?))));
+        }
         let mut others = Vec::new();
-        for expectation in &self.expect {
+        for expectation in self.expect.iter().chain(&self.once) {
             match &expectation.kind {
-                ExpectationKind::Equals { other, .. } | ExpectationKind::Differs { other, .. } => {
+                ExpectationKind::Equals { other, .. }
+                | ExpectationKind::Differs { other, .. }
+                | ExpectationKind::NotSlower { than: other, .. } => {
                     let desc = other
                         .graph
                         .as_ref()
                         .map(|graph| known_names(graph, &mut findings));
                     others.push((desc, &other.set));
                 }
-                ExpectationKind::Halving { param, .. } => {
+                ExpectationKind::Halving { param, .. } | ExpectationKind::Order { param, .. } => {
                     if let Some(desc) = &own {
                         findings.extend(unknown_target(desc, &param.node, false, &param.place));
                     }
                 }
-                ExpectationKind::Finite | ExpectationKind::StagesAgree { .. } => {}
+                ExpectationKind::Pixel { at: Some(at), .. } => {
+                    findings.extend(self.outside(*at, expectation));
+                }
+                ExpectationKind::Uniform {
+                    within: Some(area), ..
+                } => findings.extend(self.outside(area.last, expectation)),
+                ExpectationKind::Rolled {
+                    quarters: 1 | 3, ..
+                } if self.size[0] != self.size[1] => {
+                    findings.push(
+                        Finding::error(
+                            "bad-value",
+                            "a picture that is turned by a quarter is square",
+                        )
+                        .at(expectation.place.clone())
+                        .help("give the case a square `size`, or roll by `quarters: 2`"),
+                    );
+                }
+                _ => {}
             }
         }
         for (desc, sets) in &others {
@@ -43,7 +82,29 @@ impl Case {
                 findings.extend(unknown_target(desc, target, !is_slot, &set.place));
             }
         }
+        let is_picture = |expectation: &&Expectation| {
+            matches!(expectation.kind, ExpectationKind::Picture { .. })
+        };
+        let has_points =
+            self.sweep != Sweep::None || self.volumes.len() > 1 || self.cameras.len() > 1;
+        for expectation in self.expect.iter().filter(is_picture).filter(|_| has_points) {
+            findings.push(
+                Finding::error("picture-of-many", "a stored picture is of one setting")
+                    .at(expectation.place.clone())
+                    .help("move it to `once: [ … ]`"),
+            );
+        }
         findings
+    }
+
+    fn outside(&self, at: [u32; 2], expectation: &Expectation) -> Option<Finding> {
+        let [width, height] = self.size;
+        let message = format!("the picture has {width} × {height} pixels");
+        (at[0] >= width || at[1] >= height).then(|| {
+            Finding::error("outside", message)
+                .at(expectation.place.clone())
+                .help("columns and rows count from 0 at the top left")
+        })
     }
 }
 

@@ -1,5 +1,7 @@
 //! What is measured of pictures besides their difference.
 
+use std::collections::BTreeMap;
+
 use volgraph_measure::order;
 use volgraph_picture::Picture;
 
@@ -32,6 +34,17 @@ pub(super) fn not_finite(picture: &Picture) -> usize {
     };
     let pixels = picture.color.iter().enumerate();
     pixels.filter(|(at, color)| is_bad(*at, color)).count()
+}
+
+/// The share of the pixels, 0 to 1, whose colour is not the one that most pixels have.
+pub(super) fn seen(picture: &Picture) -> f64 {
+    let mut counts: BTreeMap<[u32; 4], usize> = BTreeMap::new();
+    for color in &picture.color {
+        *counts.entry(color.map(f32::to_bits)).or_default() += 1;
+    }
+    let most = counts.values().copied().max().unwrap_or_default();
+    let pixels = picture.color.len().max(1);
+    (pixels - most) as f64 / pixels as f64
 }
 
 #[cfg(test)]

@@ -6,8 +6,25 @@ use volgraph_graph::{GraphDesc, NodeDesc, read};
 use volgraph_report::{Finding, Findings, Place};
 use volgraph_shader::ParamValue;
 
-use super::{Param, Set};
+use super::{Case, Param, Set};
 use crate::{ParamOverride, scene};
+
+impl Case {
+    /// The settings that put the slots under test into their node.
+    pub(super) fn slot_sets(&self) -> Result<Vec<Set>, Findings> {
+        self.slots
+            .iter()
+            .map(|slot| {
+                let param = Param {
+                    node: self.node.clone(),
+                    name: format!("slots.{}", slot.slot),
+                    place: slot.place.clone(),
+                };
+                setting(&param, &slot.choice)
+            })
+            .collect()
+    }
+}
 
 /// Where the graph leaves the stage open, it is not measured which one is faster: a figure that depends on the moment is
 /// none.

@@ -10,7 +10,8 @@ use serde_json::{Value, json};
 use volgraph::{Finding, Findings, Registry, registry};
 use volgraph_graph::{NodeKind, Requirement, SourceKind};
 use volgraph_report::did_you_mean;
-use volgraph_shader::{ParamSpec, ShaderRoots, check_file};
+use volgraph_shader::order::declared_orders;
+use volgraph_shader::{DeclaredOrder, LinkedFile, ParamSpec, ShaderRoots, check_file};
 
 use crate::args::NodesArgs;
 use crate::output;
@@ -147,6 +148,7 @@ impl Shaders {
                 json!({
                     "path": own.map(|file| &file.path),
                     "doc": doc,
+                    "orders": own.map(orders).unwrap_or_default(),
                     "params": module.params().iter().filter(is_own).map(param).collect::<Vec<_>>(),
                     "libraries": libraries.collect::<Vec<_>>(),
                 })
@@ -159,6 +161,20 @@ impl Shaders {
             }),
         }
     }
+}
+
+/// The orders of convergence that a file declares; `check` has found nothing wrong with them.
+fn orders(file: &LinkedFile) -> Vec<Value> {
+    let orders = declared_orders(&file.path, &file.text).unwrap_or_default();
+    let value = |order: &DeclaredOrder| {
+        let condition = order.condition.as_ref();
+        json!({
+            "order": order.order,
+            "where": condition.map(|(param, choice)| json!({ "param": param, "choice": choice })),
+            "text": order.to_string(),
+        })
+    };
+    orders.iter().map(value).collect()
 }
 
 /// Whether a file is no choice of a slot, nor a node's own.
@@ -197,6 +213,7 @@ pub(super) fn first_sentence(text: &str) -> String {
         .map_while(|line| line.trim().strip_prefix("//"));
     let comment = lines
         .map(|line| line.trim_start_matches('/').trim())
+        .filter(|line| !line.starts_with('@'))
         .collect::<Vec<_>>()
         .join(" ");
     // The point behind "et al" ends no sentence.
@@ -267,6 +284,9 @@ fn text(nodes: &[Value], sources: &[Value]) -> String {
             );
             for choice in list(&slot["choices"]) {
                 line(&mut out, 6, word(&choice["name"]), choice);
+                for order in list(&choice["orders"]) {
+                    let _ = writeln!(out, "        order {}", word(&order["text"]));
+                }
                 params(&mut out, 8, &choice["params"]);
             }
         }

@@ -1,0 +1,89 @@
+//! The reference and the difference of two pictures as nodes: they show what a comparison outside of the graph finds.
+
+use volgraph::truth::plan_without_device;
+use volgraph::{Scene, Truth, TruthOptions};
+use volgraph_picture::LayerValues;
+use volgraph_tests::{Stage, adapters, options, render};
+
+const GRAPH: &str = r#"(
+    sources: {
+        "volume": analytic(field: "marschner_lobb", dims: (16, 16, 16)),
+        "colors": transfer(path: "transfer.ron"),
+    },
+    camera: orbit(azimuth: 30, elevation: 20),
+    nodes: {
+        "background": (kind: "background", params: { "pattern": "checker" }),
+        "box":   (kind: "proxy_box", in: { "volume": "volume" }),
+        "image": (kind: "raycast",
+                  in: { "volume": "volume", "transfer": "colors", "rays": "box", "behind": "background" },
+                  params: { "step": 2.0 }),
+        "truth": (kind: "reference", in: { "of": "image.color" }),
+        "off":   (kind: "difference", in: { "a": "image.color", "b": "truth.color" },
+                  params: { "amplification": 8.0 }),
+    },
+    outputs: { "color": "off.color", "off": "off.error", "drawn": "image.color", "truth": "truth.color" },
+)"#;
+
+const TRANSFER: &str = "(domain: normalised, color: [(0, (1, 0.2, 0)), (1, (0, 0.5, 1))], opacity: [(0, 0), (1, 0.3)])";
+
+fn vectors(picture: &volgraph::Picture, name: &str) -> Vec<[f32; 4]> {
+    let layer = picture
+        .layers
+        .iter()
+        .find(|layer| layer.name == name)
+        .unwrap();
+    match &layer.values {
+        LayerValues::Vector(values) => values.clone(),
+        LayerValues::Scalar(values) => values.iter().map(|value| [*value; 4]).collect(),
+    }
+}
+
+#[test]
+fn nodes_show_the_error_that_a_comparison_finds() {
+    let stage = Stage::new()
+        .with("graph.ron", GRAPH)
+        .with("transfer.ron", TRANSFER);
+    for backend in adapters() {
+        let (picture, view) = render(&stage, &[], &backend, [24, 24]);
+        // The truth of the raycast itself.
+        let options = options(&[], &backend, [24, 24]);
+        stage.write(
+            "plain.ron",
+            GRAPH.replace("\"off.color\"", "\"image.color\""),
+        );
+        let scene = Scene::load(
+            &stage.path().join("plain.ron"),
+            &options.overrides,
+            &options.shader_folders,
+            volgraph::registry(),
+            &volgraph::NoProgress,
+        )
+        .unwrap();
+        let plan = plan_without_device(&scene, [24, 24]).unwrap();
+        let kept_nowhere = TruthOptions {
+            cache: None,
+            ..TruthOptions::default()
+        };
+        let truth = Truth::of(&plan, &view, &kept_nowhere, &volgraph_reference::Silent).unwrap();
+        let truth = truth.picture().unwrap();
+
+        let (drawn, shown) = (vectors(&picture, "drawn"), vectors(&picture, "off"));
+        assert_eq!(vectors(&picture, "truth"), truth.color, "{backend}");
+        let mut largest: f32 = 0.0;
+        for at in 0..drawn.len() {
+            let off: [f32; 4] = std::array::from_fn(|i| drawn[at][i] - truth.color[at][i]);
+            let error = off.iter().fold(0.0_f32, |most, off| most.max(off.abs()));
+            largest = largest.max(error);
+            assert_eq!(shown[at][0], error, "{backend}, pixel {at}");
+            for i in 0..3 {
+                let color = 8.0 * off[i].abs();
+                assert!(
+                    (picture.color[at][i] - color).abs() < 1e-6,
+                    "{backend}, pixel {at}"
+                );
+            }
+        }
+        // There is something to see.
+        assert!((1e-4..0.1).contains(&largest), "{backend}: {largest}");
+    }
+}
