@@ -185,8 +185,8 @@ pub fn gradients(volume: &Volume) -> Vec<f64> {
         .into_par_iter()
         .map(|number| {
             let at = number * stride;
-            let index = [at % nx, at / nx % ny, at / nx / ny]
-                .map(|n| u32::try_from(n).unwrap_or(u32::MAX));
+            let index =
+                [at % nx, at / nx % ny, at / nx / ny].map(|n| u32::try_from(n).unwrap_or(u32::MAX));
             let here = volume.drawn(volume.voxel(index));
             let square: f64 = (0..3)
                 .map(|axis| {
@@ -221,7 +221,11 @@ mod tests {
         // Noise has all of them; of a single sample that stands out 99.9 % lie below 0.4995.
         let mut peak = [0.0; 512];
         peak[200] = 1.0;
-        assert!((band_limit(&peak) - 0.4995).abs() < 2e-3, "{}", band_limit(&peak));
+        assert!(
+            (band_limit(&peak) - 0.4995).abs() < 2e-3,
+            "{}",
+            band_limit(&peak)
+        );
     }
 
     #[test]

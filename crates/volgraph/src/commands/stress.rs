@@ -20,7 +20,11 @@ pub fn run(args: &StressArgs) -> anyhow::Result<ExitCode> {
     let folders = args.shaders.folders();
     let mut all = cases(&folders);
     all.retain(|case| {
-        args.filter.is_empty() || args.filter.iter().any(|text| case.name.contains(text.as_str()))
+        args.filter.is_empty()
+            || args
+                .filter
+                .iter()
+                .any(|text| case.name.contains(text.as_str()))
     });
     if all.is_empty() {
         let finding = Finding::error("no-case", "no case has that text in its name");

@@ -32,7 +32,9 @@ const INTEGRATED: &[(&str, &str)] = &[
 /// All cases; choices of the slot `classify` are those that lie in the folders.
 #[must_use]
 pub fn cases(folders: &ShaderFolders) -> Vec<Case> {
-    let classify = folders.roots_in(Arc::new(DiskFiles), None).choices("classify");
+    let classify = folders
+        .roots_in(Arc::new(DiskFiles), None)
+        .choices("classify");
     let mut all = transfer::cases(&classify);
     all.extend(sampling::cases(&classify));
     all.extend(surfaces::cases());
@@ -68,14 +70,19 @@ pub fn kind_of_classify(choice: &str) -> ClassifyKind {
 }
 
 /// A method for each choice of `classify`.
-fn classify_methods(choices: &[String], sampled: Expect, integrated: Expect, bound: Bound) -> Vec<Method> {
+fn classify_methods(
+    choices: &[String],
+    sampled: Expect,
+    integrated: Expect,
+    bound: impl Fn(&str) -> Bound,
+) -> Vec<Method> {
     let method = |choice: &String| {
         let expect = match kind_of_classify(choice) {
             ClassifyKind::Sampled => sampled,
             ClassifyKind::Integrated => integrated,
             ClassifyKind::Unknown => Expect::Reported,
         };
-        Method::new(choice, &[("slots.classify", choice)], expect, bound)
+        Method::new(choice, &[("slots.classify", choice)], expect, bound(choice))
     };
     choices.iter().map(method).collect()
 }
@@ -96,7 +103,12 @@ const SOFT: &str = "(domain: range, color: [(0.0, (0.1, 0.3, 0.9)), (1.0, (1.0, 
                     extinction: [(0.02, 0.0), (1.0, 0.5)])";
 
 fn blob_scene(name: &str, camera: &str) -> SceneText {
-    SceneText::new(name, VolumeText::floats("blob", BLOB, blob(1.0)), SOFT, camera)
+    SceneText::new(
+        name,
+        VolumeText::floats("blob", BLOB, blob(1.0)),
+        SOFT,
+        camera,
+    )
 }
 
 /// What order 2 leaves of [`blob`] under [`SOFT`] at a step of `h` voxels: a chord leaves s'' h² / 12 of the scalar on the

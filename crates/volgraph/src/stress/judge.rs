@@ -146,7 +146,8 @@ fn is_speck(at: usize, errors: &[Option<f64>], truth: &Pixels, bound: f64) -> bo
             if near == at {
                 continue;
             }
-            let (Some(other), Some(a), Some(b)) = (errors[near], truth.values[at], truth.values[near])
+            let (Some(other), Some(a), Some(b)) =
+                (errors[near], truth.values[at], truth.values[near])
             else {
                 continue;
             };
@@ -192,7 +193,10 @@ mod tests {
             Quantity::Color,
         );
         assert!(shifted.specks == 0 && !shifted.holds());
-        let missed = measured(|values| values[3] = Some([f64::INFINITY; 4]), Quantity::Depth);
+        let missed = measured(
+            |values| values[3] = Some([f64::INFINITY; 4]),
+            Quantity::Depth,
+        );
         assert!(missed.holes == 1 && missed.non_finite == 0 && !missed.holds());
         let silent = measured(|values| values.fill(None), Quantity::Color);
         assert!(!silent.holds(), "a picture of which nothing is judged");

@@ -58,11 +58,7 @@ pub struct MethodReport {
 impl MethodReport {
     /// Of what was measured.
     #[must_use]
-    pub fn new(
-        method: &super::Method,
-        points: Vec<Measured>,
-        pixels: Vec<Option<Pixels>>,
-    ) -> Self {
+    pub fn new(method: &super::Method, points: Vec<Measured>, pixels: Vec<Option<Pixels>>) -> Self {
         let badness = |at: &usize| points[*at].badness();
         let worst = (0..points.len())
             .max_by(|a, b| badness(a).total_cmp(&badness(b)))
@@ -130,7 +126,11 @@ impl CaseReport {
             swept: case.swept,
             unit: case.quantity.unit(),
             at: case.points.iter().map(|point| point.at).collect(),
-            labels: case.points.iter().map(|point| point.label.clone()).collect(),
+            labels: case
+                .points
+                .iter()
+                .map(|point| point.label.clone())
+                .collect(),
             methods: Vec::new(),
             seconds: 0.0,
             truth: Vec::new(),
@@ -149,7 +149,10 @@ impl CaseReport {
     /// The point to show: where the worst method that is judged is worst.
     #[must_use]
     pub fn shown(&self) -> usize {
-        let judged = self.methods.iter().filter(|it| it.expect != Expect::Reported);
+        let judged = self
+            .methods
+            .iter()
+            .filter(|it| it.expect != Expect::Reported);
         judged
             .max_by(|a, b| a.worst().badness().total_cmp(&b.worst().badness()))
             .map_or(0, |method| method.worst)

@@ -147,7 +147,10 @@ impl SceneText {
             let _ = write!(inputs, "\"{name}\": \"{name}\", ");
         }
         let transfer = format!("{}.ron", self.name);
-        let _ = writeln!(sources, "        \"colors\": transfer(path: \"{transfer}\"),");
+        let _ = writeln!(
+            sources,
+            "        \"colors\": transfer(path: \"{transfer}\"),"
+        );
         inputs.push_str("\"transfer\": \"colors\", ");
         if self.segments.is_some() {
             let file = format!("{}_segments.ron", self.name);
@@ -207,7 +210,10 @@ impl SceneText {
             .collect();
         files.push((format!("{}.ron", self.name), self.transfer.clone().into()));
         if let Some(segments) = &self.segments {
-            files.push((format!("{}_segments.ron", self.name), segments.clone().into()));
+            files.push((
+                format!("{}_segments.ron", self.name),
+                segments.clone().into(),
+            ));
         }
         files
     }

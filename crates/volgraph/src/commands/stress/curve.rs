@@ -31,11 +31,18 @@ pub fn color(method: usize) -> String {
 /// The drawing: the logarithm of each method's largest error over the swept number, and thin what it may be; a cross where
 /// it has holes or worse.
 pub fn svg(report: &CaseReport) -> Result<String, Finding> {
-    draw(report).map_err(|error| Finding::error("internal", format!("a curve cannot be drawn: {error}")))
+    draw(report)
+        .map_err(|error| Finding::error("internal", format!("a curve cannot be drawn: {error}")))
 }
 
 fn draw(report: &CaseReport) -> Result<String, Box<dyn std::error::Error>> {
-    let place = |at: usize| if is_number_line(report) { report.at[at].log10() } else { at as f64 };
+    let place = |at: usize| {
+        if is_number_line(report) {
+            report.at[at].log10()
+        } else {
+            at as f64
+        }
+    };
     let last = report.at.len().saturating_sub(1);
     let (a, b) = (place(0), place(last));
     let margin = 0.06 * (b - a).abs().max(0.5);
@@ -63,7 +70,8 @@ fn draw(report: &CaseReport) -> Result<String, Box<dyn std::error::Error>> {
             .y_label_area_size(52)
             .build_cartesian_2d(xs, (low - 0.3).floor()..(high + 0.3).ceil())?;
         let label = |x: f64| {
-            let near = (0..=last).min_by(|a, b| (place(*a) - x).abs().total_cmp(&(place(*b) - x).abs()));
+            let near =
+                (0..=last).min_by(|a, b| (place(*a) - x).abs().total_cmp(&(place(*b) - x).abs()));
             match near {
                 _ if is_number_line(report) => short(10.0_f64.powf(x)),
                 Some(at) if (place(at) - x).abs() < 1e-6 => format!("{}", at + 1),
@@ -79,7 +87,14 @@ fn draw(report: &CaseReport) -> Result<String, Box<dyn std::error::Error>> {
             .x_labels(report.at.len().clamp(2, 8))
             .y_labels(6)
             .x_label_formatter(&|x| label(*x))
-            .y_label_formatter(&|y| format!("1e{y:.0}"))
+            .y_label_formatter(&|y| {
+                let is_whole = (y - y.round()).abs() < 1e-3;
+                if is_whole {
+                    format!("1e{y:.0}")
+                } else {
+                    String::new()
+                }
+            })
             .x_desc(report.swept)
             .y_desc(format!("error ({})", report.unit))
             .draw()?;
@@ -95,14 +110,21 @@ fn draw(report: &CaseReport) -> Result<String, Box<dyn std::error::Error>> {
             let bounds = (0..=last)
                 .filter(|at| method.points[*at].bound.is_finite())
                 .map(|at| (place(at), height(method.points[at].bound)));
-            let path = PathElement::new(bounds.collect::<Vec<_>>(), color.mix(0.45).stroke_width(1));
+            let path =
+                PathElement::new(bounds.collect::<Vec<_>>(), color.mix(0.45).stroke_width(1));
             chart.draw_series([path])?;
             let crosses = (0..=last)
                 .filter(|at| {
                     let it = &method.points[*at];
                     it.holes + it.phantoms + it.specks + it.non_finite > 0
                 })
-                .map(|at| Cross::new((place(at), height(method.points[at].error)), 6, color.stroke_width(2)));
+                .map(|at| {
+                    Cross::new(
+                        (place(at), height(method.points[at].error)),
+                        6,
+                        color.stroke_width(2),
+                    )
+                });
             chart.draw_series(crosses)?;
         }
         area.present()?;
@@ -113,9 +135,11 @@ fn draw(report: &CaseReport) -> Result<String, Box<dyn std::error::Error>> {
 /// Whether the swept numbers are sizes, and no mere names.
 fn is_number_line(report: &CaseReport) -> bool {
     report.at.iter().all(|at| *at > 0.0)
-        && report.at.iter().zip(&report.labels).all(|(at, label)| {
-            label.parse() == Ok(*at) || *label == format!("{at:e}")
-        })
+        && report
+            .at
+            .iter()
+            .zip(&report.labels)
+            .all(|(at, label)| label.parse() == Ok(*at) || *label == format!("{at:e}"))
 }
 
 fn short(value: f64) -> String {

@@ -21,7 +21,8 @@ const STYLE: &str = "
     table { border-collapse: collapse; margin: .4rem 0; }
     th, td { text-align: left; padding: .15rem 1.2rem .15rem 0; vertical-align: top; }
     th { font-weight: 600; color: #93a0ad; }
-    .top { display: flex; flex-wrap: wrap; gap: 1.5rem; align-items: flex-start; }
+    .top { display: flex; gap: 1.5rem; align-items: flex-start; }
+    .top table { flex: 1; font-size: 13.5px; }
     .pictures { display: flex; flex-wrap: wrap; gap: .8rem; margin: .8rem 0 .2rem; }
     figure { margin: 0; width: 9rem; }
     figure img { display: block; width: 9rem; height: 9rem; image-rendering: pixelated; background: #000; }
@@ -33,7 +34,12 @@ const STYLE: &str = "
 ";
 
 /// Writes the page and its pictures into a folder.
-pub fn write(folder: &Path, reports: &[CaseReport], adapter: &str, seconds: f64) -> Result<(), Findings> {
+pub fn write(
+    folder: &Path,
+    reports: &[CaseReport],
+    adapter: &str,
+    seconds: f64,
+) -> Result<(), Findings> {
     let unwritable = |error: std::io::Error| {
         Finding::error("io", format!("the page cannot be written: {error}"))
             .at(Place::whole_file(folder))
@@ -122,11 +128,14 @@ fn section(report: &CaseReport) -> Result<Markup, Finding> {
             div class="top" {
                 div { (PreEscaped(curve)) }
                 table {
-                    tr { th { "method" } th { "" } th { "worst" } th { "at" } }
+                    tr { th { "method" } th { "" } th { "worst" } th { "bound" } th { "at" } }
                     @for (number, method) in report.methods.iter().enumerate() {
                         (row(report, number, method))
                     }
                 }
+            }
+            @for (methods, why) in reasons(report) {
+                p class="why" { "Bound" @if !methods.is_empty() { " of " (methods) } ": " (why) "." }
             }
             div class="pictures" {
                 figure {
@@ -163,17 +172,35 @@ fn section(report: &CaseReport) -> Result<Markup, Finding> {
     })
 }
 
+/// The reasons for bounds, each once: the methods that it is of, none where it is of all.
+fn reasons(report: &CaseReport) -> Vec<(String, &'static str)> {
+    let mut reasons: Vec<(Vec<&str>, &'static str)> = Vec::new();
+    for method in &report.methods {
+        match reasons.iter_mut().find(|(_, why)| *why == method.why) {
+            Some((methods, _)) => methods.push(&method.name),
+            None => reasons.push((vec![&method.name], method.why)),
+        }
+    }
+    let is_one = reasons.len() == 1;
+    let named = |(methods, why): (Vec<&str>, &'static str)| {
+        let methods = if is_one {
+            String::new()
+        } else {
+            methods.join(", ")
+        };
+        (methods, why)
+    };
+    reasons.into_iter().map(named).collect()
+}
+
 fn row(report: &CaseReport, number: usize, method: &MethodReport) -> Markup {
     let worst = method.worst();
     html! {
         tr {
             td { span class="key" style={ "background:" (curve::color(number)) } {} (method.name) }
             td class=(class(method.verdict)) { (method.verdict.words()) }
-            td { (worst.words())
-                div class="why" {
-                    @if worst.bound.is_finite() { "bound " (format!("{:.1e}", worst.bound)) ": " } (method.why)
-                }
-            }
+            td { (worst.words()) }
+            td class="why" { @if worst.bound.is_finite() { (format!("{:.1e}", worst.bound)) } }
             td { (report.labels[method.worst]) }
         }
     }
@@ -190,7 +217,12 @@ fn pictures(folder: &Path, report: &CaseReport) -> Result<(), Findings> {
     let shown = report.shown();
     let truth = &report.truth[shown];
     let look = Look::of(truth, report.unit);
-    save(folder, &file(report, "truth", None), truth.size, look.picture(truth))?;
+    save(
+        folder,
+        &file(report, "truth", None),
+        truth.size,
+        look.picture(truth),
+    )?;
     for (number, method) in report.methods.iter().enumerate() {
         let Some(drawn) = &method.pixels[shown] else {
             continue;
@@ -199,16 +231,30 @@ fn pictures(folder: &Path, report: &CaseReport) -> Result<(), Findings> {
         save(folder, &name, drawn.size, look.picture(drawn))?;
         let bound = method.points[shown].bound;
         let bound = if bound.is_finite() { bound } else { 1e-2 };
-        let errors = drawn.values.iter().zip(&truth.values).map(|pair| match pair {
-            (Some(value), Some(truth)) => error_color(*value, *truth, bound),
-            _ => [0.03, 0.03, 0.03, 1.0],
-        });
-        save(folder, &file(report, "error", Some(number)), drawn.size, errors.collect())?;
+        let errors = drawn
+            .values
+            .iter()
+            .zip(&truth.values)
+            .map(|pair| match pair {
+                (Some(value), Some(truth)) => error_color(*value, *truth, bound),
+                _ => [0.03, 0.03, 0.03, 1.0],
+            });
+        save(
+            folder,
+            &file(report, "error", Some(number)),
+            drawn.size,
+            errors.collect(),
+        )?;
     }
     Ok(())
 }
 
-fn save(folder: &Path, name: &str, [width, height]: [u32; 2], color: Vec<[f32; 4]>) -> Result<(), Findings> {
+fn save(
+    folder: &Path,
+    name: &str,
+    [width, height]: [u32; 2],
+    color: Vec<[f32; 4]>,
+) -> Result<(), Findings> {
     let path = folder.join(name);
     let picture = Picture::from_color(width, height, color);
     let saved = picture.and_then(|picture| picture.save(&path, SaveOptions::default()));
@@ -223,7 +269,10 @@ enum Look {
     Color,
     Normal,
     /// Near is bright, from the nearest to the farthest of the truth.
-    Depth { near: f64, far: f64 },
+    Depth {
+        near: f64,
+        far: f64,
+    },
 }
 
 impl Look {
@@ -257,7 +306,8 @@ impl Look {
                 }
                 Self::Depth { .. } if !value[0].is_finite() => [0.0, 0.0, 0.0, 1.0],
                 Self::Depth { near, far } => {
-                    let bright = 0.9 - 0.8 * ((value[0] - near) / (far - near).max(1e-9)).clamp(0.0, 1.0);
+                    let bright =
+                        0.9 - 0.8 * ((value[0] - near) / (far - near).max(1e-9)).clamp(0.0, 1.0);
                     [bright as f32, bright as f32, bright as f32, 1.0]
                 }
             }
@@ -268,7 +318,9 @@ impl Look {
 
 /// Black at a hundredth of the bound, blue up to it, yellow to red from it to a hundred times as much.
 fn error_color(value: [f64; 4], truth: [f64; 4], bound: f64) -> [f32; 4] {
-    let error = (0..4).map(|i| (value[i] - truth[i]).abs()).fold(0.0, f64::max);
+    let error = (0..4)
+        .map(|i| (value[i] - truth[i]).abs())
+        .fold(0.0, f64::max);
     if value[0] == truth[0] && value[0] == f64::INFINITY {
         return [0.0, 0.0, 0.0, 1.0];
     }

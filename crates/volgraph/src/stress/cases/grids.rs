@@ -29,7 +29,12 @@ fn spacings() -> Case {
         let volume = VolumeText::floats("blob", super::BLOB, super::blob(1.0)).spaced(spacing);
         let length = (x * y * z).cbrt();
         // Along the long axis a ray runs through a hundred times more: matter is thinner there.
-        let scene = SceneText::new(&format!("spacing_{at}"), volume, &transfer(5.0 * length), ASLANT);
+        let scene = SceneText::new(
+            &format!("spacing_{at}"),
+            volume,
+            &transfer(5.0 * length),
+            ASLANT,
+        );
         Point::named(at as f64, format!("{x} : {y} : {z}"), scene)
     };
     let bound = Bound {
@@ -89,7 +94,7 @@ fn shapes() -> Case {
         // The fourth is 2³.
         of: |at| if at == 3.0 { 0.08 } else { 4e-3 },
         why: "chords over a kink are off by its change of slope times h²/8: of 2³ voxels (extinction 2.5 a voxel) the \
-              slope goes from 0 to the range and back; of others by a tenth of that" ,
+              slope goes from 0 to the range and back; of others by a tenth of that",
     };
     Case {
         name: "thin-grids",

@@ -12,7 +12,8 @@ pub(super) fn cases() -> Vec<Case> {
     vec![straight(), index_step(), snell(), furnace(), shadows()]
 }
 
-const PLACES: &str = r#"{ "pattern": "gradient", "bottom": [0.0, 0.0, 0.0, 1.0], "top": [1.0, 1.0, 1.0, 1.0] }"#;
+const PLACES: &str =
+    r#"{ "pattern": "gradient", "bottom": [0.0, 0.0, 0.0, 1.0], "top": [1.0, 1.0, 1.0, 1.0] }"#;
 const WHITE: &str = r#"{ "pattern": "uniform", "color": [1.0, 1.0, 1.0, 1.0] }"#;
 
 fn straight() -> Case {
@@ -22,7 +23,8 @@ fn straight() -> Case {
              refraction: [(0.0, {index:?}), (1.0, {index:?})])"
         );
         let volume = VolumeText::floats("blob", BLOB, blob(1.0));
-        let scene = SceneText::new(&format!("straight_{index}"), volume, &transfer, ASLANT).before(PLACES);
+        let scene =
+            SceneText::new(&format!("straight_{index}"), volume, &transfer, ASLANT).before(PLACES);
         Point::new(index, scene)
     };
     let bound = Bound {
@@ -38,7 +40,11 @@ fn straight() -> Case {
         quantity: Quantity::Color,
         truth: Truth::Picture(vec![("slots.technique".to_owned(), "dvr".to_owned())]),
         points: [1.0, 1.5, 4.0].map(point).into(),
-        methods: vec![Method::holds("refraction", &[("slots.technique", "refraction")], bound)],
+        methods: vec![Method::holds(
+            "refraction",
+            &[("slots.technique", "refraction")],
+            bound,
+        )],
     }
 }
 
@@ -133,7 +139,11 @@ fn index_step() -> Case {
         quantity: Quantity::Color,
         truth: Truth::Form(refracted),
         points: slab_points(),
-        methods: vec![Method::fails("refraction", &[("slots.technique", "refraction")], bound)],
+        methods: vec![Method::fails(
+            "refraction",
+            &[("slots.technique", "refraction")],
+            bound,
+        )],
     }
 }
 
@@ -186,7 +196,11 @@ fn furnace() -> Case {
                 ("solid", "below"),
                 ("transmission_color", "[1.0, 1.0, 1.0]"),
             ]);
-        Point::named(index, format!("{index}"), scene.with(&[("refractive_index", format!("{index:?}"))]))
+        Point::named(
+            index,
+            format!("{index}"),
+            scene.with(&[("refractive_index", format!("{index:?}"))]),
+        )
     };
     let bound = Bound {
         of: |_| 1e-5,
@@ -210,7 +224,7 @@ fn furnace() -> Case {
 
 fn shadows() -> Case {
     let tilted = |[x, y, z]: [f64; 3]| 0.5 + (8.0 + 0.21 * (x - 8.0) - 0.13 * (y - 8.0) - z) / 32.0;
-    let volume = VolumeText::floats("tilted", [16; 3], tilted);
+    let volume = VolumeText::floats("tilted", [16; 3], tilted).node_centred();
     let point = |angle: f64| {
         // Above the plane, by so many degrees.
         let normal = DVec3::new(-0.21, 0.13, 1.0).normalize();
@@ -219,16 +233,17 @@ fn shadows() -> Case {
         let light = normal * sine + along * cosine;
         let light = format!("[{:?}, {:?}, {:?}, 0.0]", light.x, light.y, light.z);
         let camera = "orbit(azimuth: 20, elevation: 55, projection: orthographic, height: 8)";
-        let scene = SceneText::new(&format!("shadow_{angle}"), volume.clone(), CLEAR, camera).with(&[
-            ("slots.technique", "isosurface"),
-            ("slots.light", "phong"),
-            ("isovalue_unit", "data"),
-            ("isovalue", "0.5"),
-            ("ambient", "0.1"),
-            ("diffuse", "0.9"),
-            ("specular", "0.0"),
-            ("light_1", light.as_str()),
-        ]);
+        let scene =
+            SceneText::new(&format!("shadow_{angle}"), volume.clone(), CLEAR, camera).with(&[
+                ("slots.technique", "isosurface"),
+                ("slots.light", "phong"),
+                ("isovalue_unit", "data"),
+                ("isovalue", "0.5"),
+                ("ambient", "0.1"),
+                ("diffuse", "0.9"),
+                ("specular", "0.0"),
+                ("light_1", light.as_str()),
+            ]);
         Point::new(angle, scene)
     };
     let bound = Bound {
@@ -245,7 +260,11 @@ fn shadows() -> Case {
         truth: Truth::Picture(vec![("slots.shadow".to_owned(), "none".to_owned())]),
         points: [80.0, 30.0, 5.0, 1.0, 0.2].map(point).into(),
         methods: vec![
-            Method::holds("surface, linear hits", &[("slots.shadow", "surface")], bound),
+            Method::holds(
+                "surface, linear hits",
+                &[("slots.shadow", "surface")],
+                bound,
+            ),
             Method::holds(
                 "surface, cubic hits",
                 &[("slots.shadow", "surface"), ("refinement", "cubic")],

@@ -20,7 +20,11 @@ fn scaled(scale: f64) -> VolumeText {
 fn scales() -> Case {
     let point = |scale: f64| {
         let name = format!("scale_{scale:e}");
-        Point::named(scale, format!("{scale:e}"), SceneText::new(&name, scaled(scale), SOFT, ASLANT))
+        Point::named(
+            scale,
+            format!("{scale:e}"),
+            SceneText::new(&name, scaled(scale), SOFT, ASLANT),
+        )
     };
     Case {
         name: "tiny-and-huge-scalars",
@@ -36,11 +40,12 @@ fn scales() -> Case {
 
 fn scaled_surfaces() -> Case {
     let point = |scale: f64| {
-        let scene = SceneText::new(&format!("scaled_{scale:e}"), scaled(scale), CLEAR, ASLANT).with(&[
-            ("slots.technique", "isosurface"),
-            ("isovalue", "0.3"),
-            ("slots.light", "phong"),
-        ]);
+        let scene = SceneText::new(&format!("scaled_{scale:e}"), scaled(scale), CLEAR, ASLANT)
+            .with(&[
+                ("slots.technique", "isosurface"),
+                ("isovalue", "0.3"),
+                ("slots.light", "phong"),
+            ]);
         Point::named(scale, format!("{scale:e}"), scene)
     };
     let bound = Bound {
@@ -56,7 +61,11 @@ fn scaled_surfaces() -> Case {
         truth: Truth::FirstCrossing { share: 0.3 },
         points: SCALES.map(point).into(),
         methods: vec![
-            Method::reported("linear", &[("refinement", "linear"), ("step", "0.5")], bound),
+            Method::reported(
+                "linear",
+                &[("refinement", "linear"), ("step", "0.5")],
+                bound,
+            ),
             Method::holds("cubic", &[("refinement", "cubic")], bound),
         ],
     }
@@ -72,7 +81,11 @@ fn large_integers() -> Case {
         let value = move |index: [f64; 3]| (base + blob(1000.0)(index)).round() as u32;
         let name = format!("integers_{base}");
         let volume = VolumeText::words(&name, BLOB, value);
-        Point::named(base, format!("{base:.0}"), SceneText::new(&name, volume, SOFT, ASLANT))
+        Point::named(
+            base,
+            format!("{base:.0}"),
+            SceneText::new(&name, volume, SOFT, ASLANT),
+        )
     };
     Case {
         name: "large-integers",
@@ -81,7 +94,9 @@ fn large_integers() -> Case {
         size: SIZE,
         quantity: Quantity::Color,
         truth: Truth::Reference,
-        points: [0.0, 16_777_216.0, 1_073_741_824.0, 4_294_966_000.0].map(point).into(),
+        points: [0.0, 16_777_216.0, 1_073_741_824.0, 4_294_966_000.0]
+            .map(point)
+            .into(),
         methods: both_stages(HALF_STEP),
     }
 }
@@ -99,7 +114,11 @@ fn not_finite() -> Case {
         };
         let name = format!("odd_{at}");
         let volume = VolumeText::floats(&name, BLOB, value);
-        Point::named(at as f64, label, SceneText::new(&name, volume, SOFT, ASLANT))
+        Point::named(
+            at as f64,
+            label,
+            SceneText::new(&name, volume, SOFT, ASLANT),
+        )
     };
     let bound = Bound {
         of: |_| 0.06,

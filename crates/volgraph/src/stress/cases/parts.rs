@@ -22,7 +22,11 @@ fn slivers() -> Case {
         ("through edges", "(-30, -30, 11.5)", "(11.5, 11.5, 11.5)"),
         ("through corners", "(-30, -30, -30)", "(11.5, 11.5, 11.5)"),
         ("along boundaries", "(-30, 12, 12)", "(0, 12, 12)"),
-        ("beside edges", "(-30, -30.0001, 11.5)", "(11.5, 11.5, 11.5)"),
+        (
+            "beside edges",
+            "(-30, -30.0001, 11.5)",
+            "(11.5, 11.5, 11.5)",
+        ),
         ("aslant", "(-30, -17, 24)", "(11.5, 11.5, 11.5)"),
     ];
     let point = |(at, (label, eye, target)): (usize, (&str, &str, &str))| {
@@ -49,9 +53,11 @@ fn slivers() -> Case {
         quantity: Quantity::Color,
         truth: Truth::Picture(vec![("slots.labels".to_owned(), "none".to_owned())]),
         points: places.into_iter().enumerate().map(point).collect(),
-        methods: vec![
-            Method::holds("boundaries of voxels", &[("slots.labels", "volume")], bound),
-        ],
+        methods: vec![Method::holds(
+            "boundaries of voxels",
+            &[("slots.labels", "volume")],
+            bound,
+        )],
     }
 }
 
@@ -65,7 +71,9 @@ fn below(_: &View, _: [u32; 2], height: f64) -> Option<[f64; 4]> {
 
 fn cuts() -> Case {
     let volume = VolumeText::floats("even", [16; 3], |_| 1.0);
-    let transfer = format!("(domain: data(from: 0, to: 2), color: (1, 1, 1), extinction: [(0, {EXTINCTION:?}), (2, {EXTINCTION:?})])");
+    let transfer = format!(
+        "(domain: data(from: 0, to: 2), color: (1, 1, 1), extinction: [(0, {EXTINCTION:?}), (2, {EXTINCTION:?})])"
+    );
     // Segments end at 15.5 less whole numbers.
     let places = [
         ("at a voxel's centre", 8.0),

@@ -30,7 +30,12 @@ const FOG: &str = "(domain: range, color: [(0.0, (0.2, 0.4, 0.9)), (1.0, (1.0, 0
                    extinction: [(0.0, 0.02), (1.0, 0.5)])";
 
 fn fog_scene(name: &str, camera: &str) -> SceneText {
-    SceneText::new(name, VolumeText::floats("blob", BLOB, super::blob(1.0)), FOG, camera)
+    SceneText::new(
+        name,
+        VolumeText::floats("blob", BLOB, super::blob(1.0)),
+        FOG,
+        camera,
+    )
 }
 
 fn cameras() -> Case {
@@ -53,7 +58,11 @@ fn cameras() -> Case {
             "(11.7, 11.2, 12.3)"
         };
         let camera = format!("look_at(eye: {eye}, target: {target}, fov_y: 60)");
-        Point::named(at as f64, label, fog_scene(&format!("camera_{at}"), &camera))
+        Point::named(
+            at as f64,
+            label,
+            fog_scene(&format!("camera_{at}"), &camera),
+        )
     };
     Case {
         name: "camera-at-the-box",
@@ -72,18 +81,52 @@ fn directions() -> Case {
     // Pixels are a voxel apart; their rays run through voxel centres, along the planes between voxels or along the faces.
     let square = "projection: orthographic, height: 40.0";
     let places = [
-        ("along x, voxel centres", "(-30, 12, 12)", "(0, 12, 12)", "(0, 0, 1)"),
-        ("along -x, voxel faces", "(60, 11.5, 11.5)", "(0, 11.5, 11.5)", "(0, 0, 1)"),
+        (
+            "along x, voxel centres",
+            "(-30, 12, 12)",
+            "(0, 12, 12)",
+            "(0, 0, 1)",
+        ),
+        (
+            "along -x, voxel faces",
+            "(60, 11.5, 11.5)",
+            "(0, 11.5, 11.5)",
+            "(0, 0, 1)",
+        ),
         ("along y", "(12, -30, 12)", "(12, 0, 12)", "(0, 0, 1)"),
         ("along -z", "(12, 12, 60)", "(12, 12, 0)", "(0, 1, 0)"),
-        ("along the box's faces", "(-30, 11, 11)", "(0, 11, 11)", "(0, 0, 1)"),
-        ("across an edge", "(-30, -30, 11.5)", "(11.5, 11.5, 11.5)", "(0, 0, 1)"),
-        ("along the diagonal", "(-30, -30, -30)", "(11.5, 11.5, 11.5)", "(0, 0, 1)"),
-        ("almost along x", "(-30, 12, 12)", "(11, 12.000001, 12)", "(0, 0, 1)"),
+        (
+            "along the box's faces",
+            "(-30, 11, 11)",
+            "(0, 11, 11)",
+            "(0, 0, 1)",
+        ),
+        (
+            "across an edge",
+            "(-30, -30, 11.5)",
+            "(11.5, 11.5, 11.5)",
+            "(0, 0, 1)",
+        ),
+        (
+            "along the diagonal",
+            "(-30, -30, -30)",
+            "(11.5, 11.5, 11.5)",
+            "(0, 0, 1)",
+        ),
+        (
+            "almost along x",
+            "(-30, 12, 12)",
+            "(11, 12.000001, 12)",
+            "(0, 0, 1)",
+        ),
     ];
     let point = |(at, (label, eye, target, up)): (usize, (&str, &str, &str, &str))| {
         let camera = format!("look_at(eye: {eye}, target: {target}, up: {up}, {square})");
-        Point::named(at as f64, label, blob_scene(&format!("direction_{at}"), &camera))
+        Point::named(
+            at as f64,
+            label,
+            blob_scene(&format!("direction_{at}"), &camera),
+        )
     };
     Case {
         name: "axis-parallel-rays",
@@ -102,7 +145,8 @@ fn far_away() -> Case {
     let point = |boxes: f64| {
         let distance = 24.0 * boxes;
         let fov = 2.0 * (18.0_f64 / distance).atan().to_degrees();
-        let camera = format!("orbit(azimuth: 33, elevation: 21, distance: {distance:?}, fov_y: {fov:?})");
+        let camera =
+            format!("orbit(azimuth: 33, elevation: 21, distance: {distance:?}, fov_y: {fov:?})");
         Point::new(boxes, blob_scene(&format!("far_{boxes}"), &camera))
     };
     Case {
@@ -121,7 +165,8 @@ fn fields_of_view() -> Case {
     let point = |fov: f64| {
         // As near as the blob fills the view, and not nearer than its box.
         let distance = (10.0 / (0.5 * fov).to_radians().tan()).max(14.0);
-        let camera = format!("orbit(azimuth: 33, elevation: 21, distance: {distance:?}, fov_y: {fov:?})");
+        let camera =
+            format!("orbit(azimuth: 33, elevation: 21, distance: {distance:?}, fov_y: {fov:?})");
         Point::new(fov, blob_scene(&format!("fov_{fov}"), &camera))
     };
     Case {

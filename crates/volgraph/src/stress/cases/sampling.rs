@@ -15,7 +15,12 @@ fn steps(classify: &[String]) -> Case {
     let scene = blob_scene("steps", ASLANT);
     let point = |step: f64| {
         let step_text = format!("{step:?}");
-        Point::new(step, scene.clone().with(&[("step", step_text.as_str()), ("preintegration_size", "512")]))
+        Point::new(
+            step,
+            scene
+                .clone()
+                .with(&[("step", step_text.as_str()), ("preintegration_size", "512")]),
+        )
     };
     // From half the width of the blob on nothing is claimed.
     let bound = Bound {
@@ -35,8 +40,10 @@ fn steps(classify: &[String]) -> Case {
         size: SIZE,
         quantity: Quantity::Color,
         truth: Truth::Reference,
-        points: [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0].map(point).into(),
-        methods: classify_methods(classify, Expect::Holds, Expect::Holds, bound),
+        points: [0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0]
+            .map(point)
+            .into(),
+        methods: classify_methods(classify, Expect::Holds, Expect::Holds, |_| bound),
     }
 }
 
@@ -91,7 +98,11 @@ fn carson() -> Case {
         points: [8.0, 4.0, 2.0, 1.5, 1.0, 0.5, 0.25].map(point).into(),
         methods: vec![
             Method::fails("post at any step", &[("slots.classify", "post")], anywhere),
-            Method::holds("post by the rule", &[("slots.classify", "post")], by_the_rule),
+            Method::holds(
+                "post by the rule",
+                &[("slots.classify", "post")],
+                by_the_rule,
+            ),
             Method::reported("preintegrated_2d", INTEGRATED, anywhere),
         ],
     }

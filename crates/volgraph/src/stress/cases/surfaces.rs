@@ -40,7 +40,11 @@ fn refinements(linear_and_bisection_hold: bool) -> Vec<Method> {
     };
     vec![
         method("linear", &[("refinement", "linear")], HIT),
-        method("bisection", &[("refinement", "bisection"), ("bisections", "12")], HIT),
+        method(
+            "bisection",
+            &[("refinement", "bisection"), ("bisections", "12")],
+            HIT,
+        ),
         Method::holds("cubic", &[("refinement", "cubic")], EXACT),
     ]
 }
@@ -72,7 +76,9 @@ fn thin_shell() -> Case {
         size: SIZE,
         quantity: Quantity::Depth,
         truth: Truth::FirstCrossing { share: 0.5 },
-        points: [0.25, 0.5, 1.0, 2.0, 4.0].map(|step| at_step(&scene, step)).into(),
+        points: [0.25, 0.5, 1.0, 2.0, 4.0]
+            .map(|step| at_step(&scene, step))
+            .into(),
         methods: refinements(false),
     }
 }
@@ -83,7 +89,8 @@ fn grazing() -> Case {
     };
     let volume = VolumeText::floats("ripples", [32, 32, 14], ripples);
     let point = |elevation: f64| {
-        let camera = format!("orbit(azimuth: 20, elevation: {elevation:?}, projection: orthographic)");
+        let camera =
+            format!("orbit(azimuth: 20, elevation: {elevation:?}, projection: orthographic)");
         let scene = isosurface(&format!("grazing_{elevation}"), volume.clone(), &camera);
         Point::new(elevation, scene)
     };
@@ -132,7 +139,11 @@ fn zero_gradient() -> Case {
         let isovalue = format!("{:?}", 1.0 - below);
         let scene = isosurface(&format!("ridge_{below}"), volume.clone(), camera)
             .with_normals()
-            .with(&[("isovalue", isovalue.as_str()), ("refinement", "cubic"), ("slots.light", "phong")]);
+            .with(&[
+                ("isovalue", isovalue.as_str()),
+                ("refinement", "cubic"),
+                ("slots.light", "phong"),
+            ]);
         Point::new(below, scene)
     };
     let bound = Bound {
@@ -151,10 +162,17 @@ fn zero_gradient() -> Case {
         methods: vec![
             Method::holds("analytic", &[("slots.gradient", "analytic")], bound),
             Method::holds("central", &[("slots.gradient", "central")], bound),
-            Method::holds("stored, half floats", &[("slots.gradient", "stored")], bound),
+            Method::holds(
+                "stored, half floats",
+                &[("slots.gradient", "stored")],
+                bound,
+            ),
             Method::holds(
                 "stored, 8 bits",
-                &[("slots.gradient", "stored"), ("slots.gradient_storage", "rgba8")],
+                &[
+                    ("slots.gradient", "stored"),
+                    ("slots.gradient_storage", "rgba8"),
+                ],
                 bound,
             ),
         ],
@@ -210,10 +228,17 @@ fn weak_gradients() -> Case {
         methods: vec![
             Method::fails(
                 "stored, 8 bits",
-                &[("slots.gradient", "stored"), ("slots.gradient_storage", "rgba8")],
+                &[
+                    ("slots.gradient", "stored"),
+                    ("slots.gradient_storage", "rgba8"),
+                ],
                 rounded,
             ),
-            Method::holds("stored, half floats", &[("slots.gradient", "stored")], rounded),
+            Method::holds(
+                "stored, half floats",
+                &[("slots.gradient", "stored")],
+                rounded,
+            ),
             Method::holds("central", &[("slots.gradient", "central")], rounded),
         ],
     }
