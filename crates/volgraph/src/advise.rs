@@ -143,14 +143,19 @@ impl Advice {
             gradient_999: rank(0.999),
             gradient_median: rank(0.5),
         };
-        let transfer = transfer_table::transfer(node, "transfer").ok();
-        let transfer = transfer.filter(|_| range.1 > range.0).map(|transfer| {
-            let value = |at: f64| raycast::data_value(volume, transfer.domain(), at);
-            let (low, span) = (value(0.0), value(1.0) - value(0.0));
-            let (extinction, all) =
-                spectrum::of_transfer(&transfer, range, |value| (value - low) / span);
-            TransferBand { extinction, all }
-        });
+        // Of several labels' transfer functions the one that asks for most.
+        let transfers = transfer_table::transfers(node).unwrap_or_default();
+        let bands = transfers
+            .iter()
+            .filter(|_| range.1 > range.0)
+            .map(|transfer| {
+                let value = |at: f64| raycast::data_value(volume, transfer.domain(), at);
+                let (low, span) = (value(0.0), value(1.0) - value(0.0));
+                let (extinction, all) =
+                    spectrum::of_transfer(transfer, range, |value| (value - low) / span);
+                TransferBand { extinction, all }
+            });
+        let transfer = bands.max_by(|a, b| a.all.total_cmp(&b.all));
         // Of the field, cycles per voxel of the smallest spacing.
         let field = axes
             .iter()

@@ -1,13 +1,16 @@
 //! Errors of classifications and steps against the float64 reference.
 
+use std::sync::Arc;
+
 use serde::Serialize;
+use volgraph_gpu::Gpu;
 use volgraph_reference::Progress;
-use volgraph_report::Findings;
+use volgraph_report::{Finding, Findings};
 
 use super::Advice;
-use crate::overrides::ParamOverride;
-use crate::scene::{NoProgress, Scene};
-use crate::session::{Change, Outcome, Session, SessionOptions};
+use crate::overrides::{Overrides, ParamOverride};
+use crate::scene::Scene;
+use crate::session::{Session, SessionOptions};
 use crate::truth::{Truth, TruthOptions, plan_without_device};
 
 /// The steps that are measured, voxels.
@@ -29,11 +32,24 @@ pub struct Measurement {
     pub max: f64,
 }
 
+/// Parameters that say how a ray is walked and classified, and not what is drawn.
+const WALK: [&str; 8] = [
+    "stage",
+    "step",
+    "early_termination",
+    "table_size",
+    "preintegration_size",
+    "preintegration_built_on",
+    "volume_storage",
+    "preintegration_3d_size",
+];
+
 /// Measures a scene on an adapter, in pictures of `options.size`. What the reference does not compute is taken out of the
-/// graph (light, clips, labels, other reconstructions), and noted.
+/// graph (technique, light, clips, labels, other reconstructions), and noted; where even then there is no reference, the
+/// note says so, and nothing is measured.
 ///
 /// # Errors
-/// Where even then there is no reference, or a picture is refused.
+/// What ended the reference, or refused a picture.
 pub fn measure(
     advice: &mut Advice,
     scene: &Scene,
@@ -41,54 +57,41 @@ pub fn measure(
     truth_options: &TruthOptions,
     progress: &dyn Progress,
 ) -> Result<(), Findings> {
-    let set = |text: String| {
-        ParamOverride::parse(&text)
-            .map_err(|message| volgraph_report::Finding::error("internal", message))
-    };
-    let node = advice.node.clone();
-    let mut overrides = scene.overrides.clone();
-    let plain = scene.with_overrides(&overrides, &NoProgress)?;
-    let mut truth = truth_of(&plain, options.size, truth_options, progress);
-    let mut base = plain;
-    if truth.is_err() {
-        let slots = [
-            ("technique", "dvr"),
-            ("light", "unlit"),
-            ("clip", "none"),
-            ("labels", "none"),
-            ("reconstruct", "trilinear"),
-        ];
-        for (slot, choice) in slots {
-            overrides
-                .params
-                .push(set(format!("{node}.slots.{slot}={choice}"))?);
-        }
+    let as_it_is = altered(scene, &advice.node, &[], false)?;
+    let mut truth = truth_of(&as_it_is, options.size, truth_options, progress);
+    let is_plain = truth.is_err();
+    if is_plain {
+        let plain = altered(scene, &advice.node, &[], true)?;
+        truth = truth_of(&plain, options.size, truth_options, progress);
         advice.notes.push(
             "measured as plain direct volume rendering: the reference does not compute the graph's own technique, \
              light or parts"
                 .to_owned(),
         );
-        base = scene.with_overrides(&overrides, &NoProgress)?;
-        truth = truth_of(&base, options.size, truth_options, progress);
     }
-    let truth = truth?;
-    overrides
-        .params
-        .push(set(format!("{node}.early_termination=0"))?);
-    let base = base.with_overrides(&overrides, &NoProgress)?;
-    let gpu = std::sync::Arc::new(volgraph_gpu::Gpu::open(&options.adapter)?);
-    let mut session = Session::start(base, gpu, options)?;
+    let truth = match truth {
+        Ok(truth) => truth,
+        Err(findings) => {
+            let why = findings.sorted().first().map(|it| it.message.clone());
+            let why = why.unwrap_or_default();
+            advice.notes = vec![format!(
+                "nothing is measured, as there is no reference: {why}"
+            )];
+            return Ok(());
+        }
+    };
+    let gpu = Arc::new(Gpu::open(&options.adapter)?);
     for classify in CLASSIFY {
         for step in MEASURED_STEPS {
-            let sets = vec![
-                set(format!("{node}.slots.classify={classify}"))?,
-                set(format!("{node}.step={step:?}"))?,
+            let sets = [
+                format!("slots.classify={classify}"),
+                format!("step={step:?}"),
+                "early_termination=0".to_owned(),
             ];
-            let picture = match session.apply(&Change::Set(sets)) {
-                Ok(Outcome::Drawn(drawn)) => drawn.picture,
-                Ok(Outcome::Unchanged) => session.render()?.0,
-                Err(refused) => return Err(refused.findings),
-            };
+            let scene = altered(scene, &advice.node, &sets, is_plain)?;
+            let picture = Session::start(scene, Arc::clone(&gpu), options)?
+                .render()?
+                .0;
             let comparison = truth.compare(&picture)?;
             advice.measured.push(Measurement {
                 classify: classify.to_owned(),
@@ -99,6 +102,42 @@ pub fn measure(
         }
     }
     Ok(())
+}
+
+/// The scene with these settings of a node, which shares its sources; as plain direct volume rendering where asked for.
+fn altered(scene: &Scene, node: &str, sets: &[String], is_plain: bool) -> Result<Scene, Findings> {
+    let mut desc = scene.desc.clone();
+    let mut all: Vec<String> = Vec::new();
+    if is_plain {
+        if let Some(node) = desc.nodes.get_mut(node) {
+            node.params.retain(|name, _| WALK.contains(&name.as_str()));
+            node.slots.retain(|slot, _| slot == "classify");
+        }
+        all.extend([
+            "slots.technique=dvr".to_owned(),
+            "slots.light=unlit".to_owned(),
+        ]);
+    }
+    all.extend_from_slice(sets);
+    let params: Result<Vec<ParamOverride>, String> = all
+        .iter()
+        .map(|set| ParamOverride::parse(&format!("{node}.{set}")))
+        .collect();
+    let overrides = Overrides {
+        params: params.map_err(|message| Finding::error("internal", message))?,
+        ..Overrides::default()
+    };
+    overrides.apply(&mut desc)?;
+    Ok(Scene {
+        path: scene.path.clone(),
+        text: scene.text.clone(),
+        desc,
+        overrides: scene.overrides.clone(),
+        sources: scene.sources.clone(),
+        registry: scene.registry.clone(),
+        shader_folders: scene.shader_folders.clone(),
+        data: scene.data.clone(),
+    })
 }
 
 fn truth_of(

@@ -34,7 +34,7 @@ impl Advice {
     fn sampling(&self) -> String {
         let Some(rule) = self.by_common_gradient else {
             return format!(
-                "Nothing is classified: take steps of {} voxels or less, half a cycle of the field",
+                "No transfer function is read: take steps of {} voxels or less, half a cycle of the field",
                 short(self.field_step.min(1.0))
             );
         };

@@ -42,9 +42,9 @@ fn narrow(classify: &[String]) -> Case {
     // The entries along the tables of the others are 1024.
     let bound = |choice: &str| Bound {
         of: if choice == "preintegrated_3d" {
-            |width| 1e-3 + 2.0 * (1.0 / 511.0 / width).powi(2)
+            |width| 1e-3 + 0.7 * (1.0 / 511.0 / width).powi(2)
         } else {
-            |width| 1e-3 + 2.0 * (1.0 / 1023.0 / width).powi(2)
+            |width| 1e-3 + 0.7 * (1.0 / 1023.0 / width).powi(2)
         },
         why: "the field is linear, so what is left is the table: K'' d²/8 at both ends of a ray, of an integral K whose \
               slope changes by 0.07 within half a width, over the slope of the scalar",
