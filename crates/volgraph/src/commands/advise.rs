@@ -48,10 +48,16 @@ fn text(advice: &Advice) -> String {
     let share = 100.0 * ENERGY_SHARE;
     let mut text = format!(
         "node `{}`: technique {}, classify {}\n\
-         volume           {x} × {y} × {z} {}, scalars {low} to {high}, voxel {} world units\n\
+         volume           {x} × {y} × {z} {}, scalars {} to {}, voxel {} world units\n\
          highest relevant frequencies: those below which {share} % of the energy lies; lines mirrored at their ends, \
          mean removed, no window\n",
-        advice.node, advice.technique, advice.classify, volume.scalar_type, volume.voxel
+        advice.node,
+        advice.technique,
+        advice.classify,
+        volume.scalar_type,
+        short(low),
+        short(high),
+        short(volume.voxel)
     );
     // Writing to a String does not fail.
     for (name, axis) in ["x", "y", "z"].iter().zip(&volume.axes) {
@@ -63,8 +69,10 @@ fn text(advice: &Advice) -> String {
     }
     let _ = writeln!(
         text,
-        "gradients        largest {:.4}, 99.9 % below {:.4}, median {:.4} data units per voxel",
-        volume.gradient_max, volume.gradient_999, volume.gradient_median
+        "gradients        largest {}, 99.9 % below {}, median {} data units per voxel",
+        short(volume.gradient_max),
+        short(volume.gradient_999),
+        short(volume.gradient_median)
     );
     match &advice.transfer {
         Some(transfer) => {
@@ -118,4 +126,17 @@ fn text(advice: &Advice) -> String {
     }
     let _ = write!(text, "\n{}", advice.sentence());
     text
+}
+
+/// A number with four digits.
+fn short(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 || value.fract() == 0.0 && size < 1e7 {
+        format!("{value}")
+    } else if (1e-3..1e6).contains(&size) {
+        let digits = (3.0 - size.log10().floor()).clamp(0.0, 6.0) as usize;
+        format!("{value:.digits$}")
+    } else {
+        format!("{value:.3e}")
+    }
 }

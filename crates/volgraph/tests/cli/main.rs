@@ -10,6 +10,7 @@ mod link;
 mod new;
 mod planted;
 mod reference;
+mod stress;
 mod watch;
 
 use std::path::{Path, PathBuf};
