@@ -113,8 +113,7 @@ impl Advice {
             .order
             .iter()
             .map(|id| plan.context(*id, &view, None))
-            .filter(|node| node.kind_name() == "raycast")
-            .next_back()
+            .rfind(|node| node.kind_name() == "raycast")
             .ok_or_else(|| {
                 Finding::error("no-raycast", "the graph has no raycast that is drawn")
                     .help("name a graph whose output `color` comes from a raycast")
