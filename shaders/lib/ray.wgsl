@@ -37,6 +37,9 @@ struct Segment {
     // World distance from the ray's entry to the segment's front, and the segment's length in world units.
     start: f32,
     length: f32,
+    // The scalar at its middle, for whoever has it already.
+    middle: f32,
+    has_middle: bool,
 }
 
 struct RayResult {
@@ -90,6 +93,10 @@ fn ray_between(ray: Ray, start: f32, end: f32) -> Ray {
     part.cut_normal = vec3f(0.0);
     part.is_continued = false;
     return part;
+}
+
+fn segment_between(front: Sample, back: Sample, start: f32, length: f32) -> Segment {
+    return Segment(front, back, start, length, 0.0, false);
 }
 
 // The middle of a segment in texture coordinates.

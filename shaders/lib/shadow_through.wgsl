@@ -19,7 +19,7 @@ fn shadow_through(ray: Ray) -> f32 {
         for (var index = 0u; start < length && index < SHADOW_MAX_SEGMENTS; index++) {
             let end = shadow_segment_end(part, index);
             let back = shadow_sample(part, end);
-            through *= classify_segment(part, Segment(front, back, start, end - start)).transmittance;
+            through *= classify_segment(part, segment_between(front, back, start, end - start)).transmittance;
             if through < SHADOW_LEAST {
                 break;
             }

@@ -7,6 +7,8 @@ struct Shown {
     ray: Ray,
     // Samples of the volume that the walk took; a technique's own (shadows, refinements) do not count.
     samples: u32,
+    // Estimated error of the colour; 0 where nobody wants it.
+    error: f32,
 }
 
 fn shown_nothing() -> Shown {

@@ -1,11 +1,15 @@
 // A layer of numbers in the colours of a transfer function.
 #import "lib/frame.wgsl"
+#import slot "legend"
 
 struct Params {
     /// The number that takes the transfer function's first colour. @default 0
     low: f32,
     /// The number that takes its last colour. @default 1
     high: f32,
+    /// How the numbers between them take the colours between: evenly, or each ratio alike.
+    /// @default linear @choices linear logarithmic
+    scale: u32,
 }
 
 @group(0) @binding(2) var layer: texture_2d<f32>;
@@ -18,9 +22,19 @@ fn false_color_compute(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let number = textureLoad(layer, vec2i(id.xy), 0).x;
-    let span = params.high - params.low;
-    let share = (number - params.low) / select(span, 1.0e-30, span == 0.0);
+    let low = false_color_place(params.low);
+    let span = false_color_place(params.high) - low;
+    let share = (false_color_place(number) - low) / select(span, 1.0e-30, span == 0.0);
     let last = i32(textureDimensions(transfer_table).x) - 1;
     let entry = textureLoad(transfer_table, vec2i(i32(clamp(share, 0.0, 1.0) * f32(last) + 0.5), 0), 0);
-    textureStore(color_out, id.xy, vec4f(entry.xyz, 1.0));
+    let drawn = legend_color(vec2i(id.xy));
+    textureStore(color_out, id.xy, vec4f(drawn.xyz + (1.0 - drawn.w) * entry.xyz, 1.0));
+}
+
+// Where a number is on the scale.
+fn false_color_place(number: f32) -> f32 {
+    if params.scale == 1u {
+        return log2(max(number, 1.0e-37));
+    }
+    return number;
 }

@@ -3,8 +3,8 @@
 // geometry and as a compute shader over the pixels that it covers.
 #import "lib/volume.wgsl"
 #import "lib/parts.wgsl"
+#import "lib/sample.wgsl"
 #import "lib/shown.wgsl"
-#import slot "reconstruct"
 #import slot "traverse"
 #import slot "technique"
 #import slot "behind"
@@ -14,6 +14,7 @@
 #import slot "normal_layer"
 #import slot "samples_layer"
 #import slot "label_layer"
+#import slot "error_layer"
 
 // The first pixel of the rectangle that a compute dispatch covers.
 struct Tile {
@@ -23,11 +24,6 @@ struct Tile {
 @group(0) @binding(3) var color_out: texture_storage_2d<rgba32float, write>;
 @group(0) @binding(6) var<uniform> tile: Tile;
 
-fn raycast_sample(ray: Ray, distance: f32) -> Sample {
-    let position = ray_position(ray, distance);
-    return Sample(position, reconstruct_scalar(position));
-}
-
 // Whatever a `traverse` slot says, a walk ends. Software drivers end every loop after as many turns.
 const RAYCAST_MAX_SEGMENTS: u32 = 65535u;
 
@@ -36,6 +32,7 @@ fn raycast_pixel(pixel: vec2f) -> Shown {
     var ray = volume_clip_ray(ray_through(pixel));
     var parts = parts_begin(ray);
     var state = technique_begin(ray);
+    var error = error_layer_begin(ray, pixel);
     var samples = 0u;
     var is_done = false;
     for (var part = 0u; !is_done && part < RAYCAST_MAX_SEGMENTS; part++) {
@@ -43,14 +40,16 @@ fn raycast_pixel(pixel: vec2f) -> Shown {
             break;
         }
         let length = ray.far - ray.near;
-        var front = raycast_sample(ray, 0.0);
+        var front = sample_along(ray, 0.0);
         var start = 0.0;
         samples++;
         for (var index = 0u; start < length && index < RAYCAST_MAX_SEGMENTS; index++) {
             let end = traverse_segment_end(ray, index);
-            let back = raycast_sample(ray, end);
+            let back = sample_along(ray, end);
             samples++;
-            is_done = technique_segment(&state, &ray, Segment(front, back, start, end - start));
+            let segment = segment_between(front, back, start, end - start);
+            error_layer_segment(&error, state, ray, segment);
+            is_done = technique_segment(&state, &ray, segment);
             // A bent ray is another ray: its parts are looked for anew.
             if is_done || ray.bends != parts.bends {
                 break;
@@ -59,9 +58,10 @@ fn raycast_pixel(pixel: vec2f) -> Shown {
             start = end;
         }
     }
+    let estimate = error_layer_finish(&error, state, ray, is_done);
     // What is made of all parts together is no label's.
     labels_select(STRETCH_NO_LABEL);
-    return Shown(technique_finish(state, ray), ray, samples);
+    return Shown(technique_finish(state, ray), ray, samples, estimate);
 }
 
 fn raycast_write(shown: Shown, pixel: vec2i) {
@@ -75,6 +75,7 @@ fn raycast_write(shown: Shown, pixel: vec2i) {
     normal_layer(shown, pixel);
     samples_layer(shown, pixel);
     label_layer(shown, pixel);
+    error_layer(shown, pixel);
 }
 
 // What lies behind, for every pixel; rays then overwrite those that they start from.

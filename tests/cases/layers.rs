@@ -183,8 +183,80 @@ fn false_colors_are_those_of_the_transfer_function() {
             assert!((seen - expected).abs() < 1e-4, "{backend}: {middle:?}");
         }
         assert_eq!(picture.color[0], [0.0, 0.0, 1.0, 1.0], "{backend}");
+        // On a logarithmic scale 9 is half of the way from 1 to 81; what is not above 0 is the first colour.
+        let scale = [
+            "heat_map.scale=logarithmic",
+            "heat_map.low=1",
+            "heat_map.high=81",
+        ];
+        let (picture, _) = render(&stage, &scale, &backend, [32, 32]);
+        let middle = picture.color[16 * 32 + 16];
+        for (seen, expected) in middle.into_iter().zip([0.5, 0.0, 0.5, 1.0]) {
+            assert!((seen - expected).abs() < 1e-4, "{backend}: {middle:?}");
+        }
+        assert_eq!(picture.color[0], [0.0, 0.0, 1.0, 1.0], "{backend}");
+        let refused = stage
+            .open("graph.ron", &[scale[0]], &backend, [32, 32])
+            .err();
+        assert!(
+            refused
+                .unwrap()
+                .to_string()
+                .contains("`low` is not above 0")
+        );
         // A span of nothing divides by nothing.
         let (flat, _) = render(&stage, &["heat_map.high=0"], &backend, [32, 32]);
         assert!(flat.color.iter().flatten().all(|value| value.is_finite()));
+    }
+}
+
+#[test]
+fn a_legend_shows_the_colours_and_the_numbers_in_pictures_that_it_fits() {
+    let graph = r#"(
+    sources: { "volume": analytic(field: "constant", dims: (8, 8, 8)), "heat": transfer(path: "heat.ron") },
+    nodes: {
+        "box": (kind: "proxy_box", in: { "volume": "volume" }),
+        "image": (kind: "raycast", in: { "volume": "volume", "rays": "box" }, slots: { "technique": "mip" }),
+        "heat_map": (kind: "false_color", in: { "layer": "image.samples", "transfer": "heat" },
+                     params: { "low": 1000.0, "high": 1e6, "scale": "logarithmic" }),
+    },
+    outputs: { "color": "heat_map.color" },
+)"#;
+    let stage = Stage::new()
+        .with(
+            "heat.ron",
+            "(color: [(0, (0, 0, 1)), (1, (1, 0, 0))], opacity: [(0, 1), (1, 1)])",
+        )
+        .with("graph.ron", graph);
+    let with_legend = "heat_map.slots.legend=scale";
+    for backend in adapters() {
+        for size in [256, 512] {
+            let (picture, _) = render(&stage, &[with_legend], &backend, [size, size]);
+            let (plain, _) = render(&stage, &[], &backend, [size, size]);
+            let pixels = || picture.color.iter().zip(&plain.color).enumerate();
+            // It stands at the right, and is no wider than a third.
+            let changed = pixels().filter(|(_, (a, b))| a != b);
+            let left = changed.map(|(at, _)| at as u32 % size).min().unwrap();
+            assert!(left > size * 2 / 3, "{backend} {size}: from {left}");
+            // Colours from the last to the first, from top to bottom: in the middle both halves.
+            let bar = left + size / 256 * 11;
+            let at = |y: u32| picture.color[(y * size + bar) as usize];
+            assert!(
+                at(size / 8)[0] > 0.9 && at(size * 7 / 8)[2] > 0.9,
+                "{backend} {size}"
+            );
+            assert!(
+                (at(size / 2)[0] - 0.5).abs() < 0.02,
+                "{backend} {size}: {:?}",
+                at(size / 2)
+            );
+            // Numbers are bright.
+            let ink = pixels().filter(|(_, (a, _))| a[1] > 0.8).count();
+            assert!(ink as u32 > 60 * size / 256, "{backend} {size}: {ink}");
+        }
+        // Where it does not fit it is left out.
+        let size = [128, 96];
+        let (picture, _) = render(&stage, &[with_legend], &backend, size);
+        assert_eq!(picture.color, render(&stage, &[], &backend, size).0.color);
     }
 }

@@ -7,10 +7,10 @@
 //! in orthographic projection `eye + x·half_width·right + y·half_height·up`, `forward`.
 
 use glam::DVec3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// How points are projected.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Projection {
     /// Perspective with the vertical field of view in degrees, 0 < fov < 180.
@@ -83,7 +83,7 @@ impl Default for CameraDesc {
 }
 
 /// A camera with nothing left open. The three axes are orthonormal.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
     /// World position of the eye.
     pub eye: DVec3,

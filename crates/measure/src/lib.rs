@@ -3,13 +3,16 @@
 //! The way of the data: [`compare`] takes two [`Picture`](volgraph_picture::Picture)s of one size, refuses what
 //! is not a number, and gives a [`Comparison`] of plain numbers in float64 on linear premultiplied RGBA, with
 //! ꟻLIP for what people see, and of depth and opacity where both have them. [`timing`] turns samples of
-//! frame times into summaries, and [`order`] errors into an order of convergence. Everything serialises, so that reports and tests read the same numbers.
+//! frame times into summaries, and [`order`] errors into an order of convergence, which
+//! [`convergence`] tells of a whole study. Everything serialises, so that reports and tests read the same numbers.
 
+pub mod convergence;
 mod difference;
 mod flip;
 mod order;
 pub mod timing;
 
+pub use convergence::{Convergence, PointRole, StudyPoint};
 pub use difference::{
     Channel, Comparison, ScalarDifference, WorstPixel, WorstValue, compare, compare_without_flip,
 };

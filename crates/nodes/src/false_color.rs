@@ -1,8 +1,8 @@
-//! `false_color`: a layer of numbers, such as the samples of each ray, in the colours of a transfer function.
+//! `false_color`: a layer of numbers, such as the samples of each ray, in the colours of a transfer function, with a legend.
 
 use volgraph_graph::{
     Demand, InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec, Requirement,
-    ResourceDesc, Size,
+    ResourceDesc, Size, SlotSpec,
 };
 use volgraph_report::Finding;
 use volgraph_shader::ParamSpec;
@@ -37,6 +37,17 @@ const INPUTS: &[InputPort] = &[
         }),
         doc: "The transfer function as a table.",
     },
+    InputPort {
+        name: "legend",
+        ty: PortType::ImageTexture,
+        requirement: Requirement::Demanded(Demand {
+            kind: "legend",
+            inputs: &[("transfer", "transfer")],
+            params: &[("low", "low"), ("high", "high"), ("scale", "scale")],
+            slots: &[],
+        }),
+        doc: "The legend, drawn.",
+    },
 ];
 
 const OUTPUTS: &[OutputPort] = &[OutputPort {
@@ -66,6 +77,14 @@ impl NodeKind for FalseColor {
         vec![transfer_table::size_param()]
     }
 
+    fn slots(&self) -> &[SlotSpec] {
+        &[SlotSpec {
+            name: "legend",
+            default: "none",
+            doc: "Which legend is drawn into the picture?",
+        }]
+    }
+
     fn program(&self, _node: &NodeContext<'_>) -> Option<ProgramSpec> {
         Some(ProgramSpec {
             root: "node/false_color.wgsl",
@@ -84,11 +103,29 @@ impl NodeKind for FalseColor {
     }
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
+        check_scale(node)?;
         let [width, height] = node.view().map_or([0; 2], |view| view.size);
         Ok(vec![Pass::Compute {
             entry: "false_color_compute",
             workgroups: [width.div_ceil(8), height.div_ceil(8), 1],
             constants: Vec::new(),
         }])
+    }
+}
+
+/// Whether a node's `scale` has places for all numbers between its `low` and its `high`.
+///
+/// # Errors
+/// `bad-param` where a logarithmic scale starts or ends at 0 or below.
+pub(crate) fn check_scale(node: &NodeContext<'_>) -> Result<(), Finding> {
+    let is_fit = |name| node.text("scale") != "logarithmic" || node.float(name) > 0.0;
+    match ["low", "high"].into_iter().find(|name| !is_fit(name)) {
+        None => Ok(()),
+        Some(name) => Err(node
+            .error(
+                "bad-param",
+                format!("its `scale` is logarithmic, but its `{name}` is not above 0"),
+            )
+            .help("choose a number above 0, such as 1e-6, or set `scale` to `linear`")),
     }
 }

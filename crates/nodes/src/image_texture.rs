@@ -72,7 +72,7 @@ impl NodeKind for ImageTexture {
 
 /// A half float of a value. Light brighter than a half float goes is as bright as one goes, for an infinity would spread
 /// over all that is filtered with it; what is not a number is nothing.
-fn half(value: f32) -> f16 {
+pub(crate) fn half(value: f32) -> f16 {
     if value.is_nan() {
         return f16::ZERO;
     }

@@ -13,6 +13,7 @@ pub mod gradient;
 pub mod image_texture;
 pub mod integral_table;
 pub mod label_texture;
+pub mod legend;
 pub mod light_volume;
 pub mod lit_preintegration;
 pub mod material_table;
@@ -61,6 +62,7 @@ pub fn registry() -> Registry {
         .add_node(image_texture::ImageTexture)
         .add_node(light_volume::LightVolume)
         .add_node(false_color::FalseColor)
+        .add_node(legend::Legend)
         .add_node(difference::Difference)
         .add_node(reference::Reference);
     registry

@@ -1,6 +1,12 @@
 //! `reference`: what the picture of a raycast should be, computed in float64 on the processor.
 
+mod behind;
+mod covered;
+mod labels;
+mod looks;
 mod scene;
+mod space;
+mod values;
 
 pub use scene::{raycast_scene, rays};
 

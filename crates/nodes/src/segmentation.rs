@@ -50,38 +50,39 @@ pub fn segments<'g>(node: &NodeContext<'g>) -> Option<&'g SegmentsSource> {
     node.source("segments").filter(|_| has_labels(node))
 }
 
-/// The members of the uniform `segmentation` (see `slot/labels/volume.wgsl`).
+/// Where labels are.
+pub(crate) struct Placed {
+    /// Index coordinates of the labels from world positions.
+    pub(crate) index_from_world: DAffine3,
+    /// The box outside of which is label 0, in index coordinates.
+    pub(crate) low: DVec3,
+    /// Its other corner.
+    pub(crate) high: DVec3,
+}
+
+/// Where a node's labels are.
 ///
 /// # Errors
-/// `missing-input`, `over-limit`.
-pub fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
-    let (grid, labels) = (
-        volume(node, "volume")?.grid(),
-        volume(node, "labels")?.grid(),
-    );
+/// `missing-input`.
+pub(crate) fn placed(node: &NodeContext<'_>) -> Result<Placed, Finding> {
+    let grid = volume(node, "volume")?.grid();
+    let labels = volume(node, "labels")?.grid();
     let (low, high) = labels.box_index();
     let (box_low, box_high) = grid.box_index();
-    let dims = DVec3::from_array(grid.dims.map(f64::from));
-    let index_from_own =
-        DAffine3::from_translation(DVec3::splat(-0.5)) * DAffine3::from_scale(dims);
-    let index_from_texture = if node.text("label_placement") == "box" {
+    let index_from_world = if node.text("label_placement") == "box" {
         let scale = (high - low) / (box_high - box_low);
         DAffine3::from_translation(low)
             * DAffine3::from_scale(scale)
             * DAffine3::from_translation(-box_low)
-            * index_from_own
+            * grid.world_from_index.inverse()
     } else {
-        labels.world_from_index.inverse() * grid.world_from_index * index_from_own
+        labels.world_from_index.inverse()
     };
-    // A gradient maps by the transpose of the map that positions have the other way.
-    let index_from_world = index_from_texture * texture_from_world(grid);
-    let gradient = index_from_world.matrix3.transpose();
     // Where the labels reach as far as the volume does, no rounding may find their end before the volume's.
-    let corners = (0..8).map(|corner| {
-        let side = DVec3::from_array([0, 1, 2].map(|axis| f64::from(corner >> axis & 1)));
-        let at = (box_low + side * (box_high - box_low) + 0.5) / dims;
-        index_from_texture.transform_point3(at)
-    });
+    let corners = grid.corners_world();
+    let corners = corners
+        .iter()
+        .map(|corner| index_from_world.transform_point3(*corner));
     let (first, last) = corners.fold(
         (DVec3::INFINITY, DVec3::NEG_INFINITY),
         |(first, last), corner| (first.min(corner), last.max(corner)),
@@ -89,6 +90,28 @@ pub fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     let farther = |is_inside: bool| if is_inside { 1.0 } else { 0.0 };
     let below = DVec3::from_array([0, 1, 2].map(|i| farther(first[i] >= low[i] - 1e-3)));
     let above = DVec3::from_array([0, 1, 2].map(|i| farther(last[i] <= high[i] + 1e-3)));
+    Ok(Placed {
+        index_from_world,
+        low: low - below,
+        high: high + above,
+    })
+}
+
+/// The members of the uniform `segmentation` (see `slot/labels/volume.wgsl`).
+///
+/// # Errors
+/// `missing-input`, `over-limit`.
+pub fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
+    let grid = volume(node, "volume")?.grid();
+    let labels = volume(node, "labels")?.grid();
+    let Placed {
+        index_from_world,
+        low,
+        high,
+    } = placed(node)?;
+    let index_from_texture = index_from_world * texture_from_world(grid).inverse();
+    // A gradient maps by the transpose of the map that positions have the other way.
+    let gradient = index_from_world.matrix3.transpose();
     Ok(vec![
         (
             "index_from_texture",
@@ -99,8 +122,8 @@ pub fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
             UniformValue::Mat3(gradient.as_mat3().to_cols_array_2d()),
         ),
         ("dims", vec3(DVec3::from_array(labels.dims.map(f64::from)))),
-        ("box_low", vec3(low - below)),
-        ("box_high", vec3(high + above)),
+        ("box_low", vec3(low)),
+        ("box_high", vec3(high)),
         (
             "is_blocky",
             UniformValue::U32(u32::from(node.text("label_boundary") == "blocky")),

@@ -30,7 +30,7 @@ pub use preintegrated::{
     PreintegratedTable3d, PreintegrationPiece, PreintegrationPieces,
 };
 pub use transfer::{
-    Domain, MAX_EXTINCTION_FROM_OPACITY, ReferenceLength, Smooth, TransferFunction,
+    Domain, MAX_EXTINCTION_FROM_OPACITY, ReferenceLength, Smooth, SmoothMaterial, TransferFunction,
     extinction_from_opacity, opacity_from_extinction,
 };
 

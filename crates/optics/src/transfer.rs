@@ -11,7 +11,7 @@ use volgraph_report::{Finding, Findings, Place};
 
 use crate::curve::Curve;
 use crate::file;
-use crate::material::MaterialField;
+use crate::material::{Material, MaterialField};
 
 /// Extinction per reference length that opacity 1 stands for: it leaves a transmittance of 1.1e-7.
 pub const MAX_EXTINCTION_FROM_OPACITY: f64 = 16.0;
@@ -146,6 +146,40 @@ impl Smooth {
     }
 }
 
+/// A material where it is smooth: between two neighbouring knots.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SmoothMaterial {
+    from: f64,
+    per_scalar: f64,
+    ends: (Material, Material),
+}
+
+impl SmoothMaterial {
+    /// One material of all scalars.
+    #[must_use]
+    pub fn uniform(material: Material) -> Self {
+        Self {
+            from: 0.0,
+            per_scalar: 0.0,
+            ends: (material, material),
+        }
+    }
+
+    /// The material of a scalar.
+    #[must_use]
+    pub fn at(&self, s: f64) -> Material {
+        let w = ((s - self.from) * self.per_scalar).clamp(0.0, 1.0);
+        let (low, high) = &self.ends;
+        let mix = |a: f64, b: f64| a + w * (b - a);
+        Material {
+            ambient: mix(low.ambient, high.ambient),
+            diffuse: mix(low.diffuse, high.diffuse),
+            specular: mix(low.specular, high.specular),
+            shininess: mix(low.shininess, high.shininess),
+        }
+    }
+}
+
 impl TransferFunction {
     /// Reads a text in the grammar of [`mod@crate::file`]; `file` is the name that findings carry.
     ///
@@ -248,6 +282,23 @@ impl TransferFunction {
             absorption: (absorption_from, absorption_to),
             is_opacity: matches!(self.absorption, Absorption::Opacity(_)),
         }
+    }
+
+    /// The material between two neighbours of all knots, these and [`material_knots`](Self::material_knots), or beyond
+    /// the outermost; `default` where the transfer function does not say.
+    #[must_use]
+    pub fn smooth_material(&self, from: f64, to: f64, default: Material) -> SmoothMaterial {
+        SmoothMaterial {
+            from,
+            per_scalar: if to > from { (to - from).recip() } else { 0.0 },
+            ends: self.material.over(from, to, default),
+        }
+    }
+
+    /// The scalars, in no order, between which the material is smooth.
+    #[must_use]
+    pub fn material_knots(&self) -> Vec<f64> {
+        self.material.knots()
     }
 
     /// Refractive index of a scalar, 1 to 4; at a step the later point's. 1 where the file does not say.

@@ -1,13 +1,16 @@
-//! The trilinear field of a volume, and the cubics that it is along a ray.
+//! The field of a volume: its samples, where they are, and the walk of a ray from cell to cell.
 //!
-//! Positions in the outer half of the outermost voxels take the outermost samples: the coordinate is clamped, as the
-//! renderer's textures are. So along a ray the field is a cubic between two crossings of the planes through samples.
+//! Beside the grid the samples at its edge go on, so that positions in the outer half of the outermost voxels take the
+//! outermost samples, as with the renderer's clamped textures. So along a ray the field is one polynomial between two
+//! crossings of the planes through samples; one of nearest samples also jumps at the faces between them.
 
+use std::fmt;
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3, IVec3};
 use volgraph_volume::{ScalarType, Volume};
 
+use crate::curve::{Curve, Kernel, Line, along, corners, trilinear, trilinear_gradient};
 use crate::rays::Ray;
 
 /// Samples, in the smallest type that holds each of them exactly.
@@ -18,7 +21,7 @@ enum Samples {
 }
 
 /// A volume's scalar field.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Field {
     samples: Arc<Samples>,
     dims: [usize; 3],
@@ -29,105 +32,33 @@ pub struct Field {
     min_spacing: f64,
     range: (f64, f64),
     digest: [u8; 32],
+    kernel: Kernel,
 }
 
-/// The field along a ray between two distances: a cubic of a parameter that is 0 at the start and 1 at the end.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cubic {
-    /// World distance from the ray's origin where it starts.
-    pub start: f64,
-    /// Where it ends.
-    pub end: f64,
-    /// Of the powers 0 to 3 of the parameter.
-    pub terms: [f64; 4],
-    /// The cell: the lowest of its samples' indices.
-    pub cell: [i32; 3],
-}
-
-impl Cubic {
-    /// The scalar.
-    #[must_use]
-    pub fn at(&self, w: f64) -> f64 {
-        let [a, b, c, d] = self.terms;
-        a + w * (b + w * (c + w * d))
-    }
-
-    /// Its derivative by the parameter.
-    #[must_use]
-    pub fn slope(&self, w: f64) -> f64 {
-        let [_, b, c, d] = self.terms;
-        b + w * (2.0 * c + w * 3.0 * d)
-    }
-
-    /// World distance from the ray's origin.
-    #[must_use]
-    pub fn distance(&self, w: f64) -> f64 {
-        self.start + w * (self.end - self.start)
-    }
-
-    /// 0, the parameters between at which it turns, and 1: it is monotone between neighbours.
-    #[must_use]
-    pub fn turns(&self) -> ([f64; 4], usize) {
-        let [_, b, c, d] = self.terms;
-        let mut turns = [0.0; 4];
-        let mut count = 1;
-        let (first, second) = quadratic_roots(3.0 * d, 2.0 * c, b);
-        for root in [first, second] {
-            if root > turns[count - 1] && root < 1.0 {
-                turns[count] = root;
-                count += 1;
-            }
-        }
-        turns[count] = 1.0;
-        (turns, count + 1)
-    }
-
-    /// The parameter in `low..high`, between which the cubic is monotone, at which it takes a value between those at the
-    /// ends: bisection, with Newton's steps where they stay inside.
-    #[must_use]
-    pub fn solve(&self, low: f64, high: f64, value: f64) -> f64 {
-        let (mut low, mut high) = (low, high);
-        let rises = self.at(high) >= self.at(low);
-        let mut w = 0.5 * (low + high);
-        for _ in 0..64 {
-            let off = self.at(w) - value;
-            if off == 0.0 {
-                break;
-            }
-            if (off > 0.0) == rises {
-                high = w;
-            } else {
-                low = w;
-            }
-            let step = w - off / self.slope(w);
-            let next = if step > low && step < high {
-                step
-            } else {
-                0.5 * (low + high)
-            };
-            if next == w || high - low <= f64::EPSILON {
-                break;
-            }
-            w = next;
-        }
-        w
-    }
-}
-
-/// The real roots of `a x² + b x + c`, rising; those that there are not are not-a-number.
-fn quadratic_roots(a: f64, b: f64, c: f64) -> (f64, f64) {
-    let discriminant = b * b - 4.0 * a * c;
-    if discriminant < 0.0 {
-        return (f64::NAN, f64::NAN);
-    }
-    // No cancellation: the larger root in size first, the other by the product of both.
-    let q = -0.5 * (b + discriminant.sqrt().copysign(b));
-    let (first, second) = (q / a, c / q);
-    // Also where one of them is not-a-number.
-    if first <= second {
-        (first, second)
-    } else {
-        (second, first)
+/// All that a picture depends on; the samples by their digest.
+impl fmt::Debug for Field {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            samples: _,
+            dims,
+            last: _,
+            index_from_world,
+            box_low,
+            box_high,
+            min_spacing,
+            range,
+            digest,
+            kernel,
+        } = self;
+        f.debug_struct("Field")
+            .field("samples", digest)
+            .field("dims", dims)
+            .field("index_from_world", index_from_world)
+            .field("box", &(box_low, box_high))
+            .field("min_spacing", min_spacing)
+            .field("range", range)
+            .field("kernel", kernel)
+            .finish()
     }
 }
 
@@ -174,7 +105,29 @@ impl Field {
             min_spacing: grid.min_spacing(),
             range: volume.statistics().range().unwrap_or((0.0, 0.0)),
             digest: *volume.digest().as_bytes(),
+            kernel: Kernel::Linear,
         }
+    }
+
+    /// The same with another scalar between samples.
+    #[must_use]
+    pub fn with_kernel(self, kernel: Kernel) -> Self {
+        Self { kernel, ..self }
+    }
+
+    /// The same samples at another place.
+    #[must_use]
+    pub fn placed(self, index_from_world: DAffine3) -> Self {
+        Self {
+            index_from_world,
+            ..self
+        }
+    }
+
+    /// What the scalar is between samples.
+    #[must_use]
+    pub fn kernel(&self) -> Kernel {
+        self.kernel
     }
 
     /// World length of the smallest spacing.
@@ -201,12 +154,6 @@ impl Field {
     #[must_use]
     pub fn range(&self) -> (f64, f64) {
         self.range
-    }
-
-    /// Digest of the volume.
-    #[must_use]
-    pub fn digest(&self) -> [u8; 32] {
-        self.digest
     }
 
     /// Index coordinates (0 at the first sample) from world positions.
@@ -275,66 +222,86 @@ impl Field {
         self.sample(x, y, z)
     }
 
-    /// The scalar at a position in index coordinates, which is clamped to the samples.
+    /// An index clamped to the grid.
     #[must_use]
-    pub fn at(&self, position: DVec3) -> f64 {
-        let cell = position.clamp(DVec3::ZERO, self.last).floor();
-        self.in_cell(&self.corners(cell.as_ivec3()), cell, position)
+    pub fn clamped(&self, index: IVec3) -> IVec3 {
+        index.clamp(IVec3::ZERO, self.last.as_ivec3())
     }
 
-    /// Gradient by index coordinates of the trilinear field at a position; along an axis on which the position is clamped
-    /// it is 0.
+    /// Samples along each axis.
+    #[must_use]
+    pub fn dims(&self) -> [usize; 3] {
+        self.dims
+    }
+
+    /// A ray between two distances in index coordinates.
+    pub(crate) fn line(&self, ray: &Ray, start: f64, end: f64) -> Line {
+        let (origin, slope) = self.in_index(ray);
+        Line {
+            start: origin + start * slope,
+            change: (end - start) * slope,
+        }
+    }
+
+    /// The trilinear scalar at a position in index coordinates.
+    #[must_use]
+    pub fn at(&self, position: DVec3) -> f64 {
+        let position = position.clamp(DVec3::ZERO, self.last);
+        let cell = position.floor();
+        trilinear(&corners(self, cell.as_ivec3()), position - cell)
+    }
+
+    /// Its gradient by index coordinates; beside the grid it is 0 along the axis.
     #[must_use]
     pub fn gradient(&self, position: DVec3) -> DVec3 {
         let clamped = position.clamp(DVec3::ZERO, self.last);
         let cell = clamped.floor().min((self.last - 1.0).max(DVec3::ZERO));
-        let c = self.corners(cell.as_ivec3());
-        let w = clamped - cell;
-        let mix = |a: f64, b: f64, w: f64| a + w * (b - a);
-        let face = |low: [f64; 4], high: [f64; 4], u: f64, v: f64| {
-            let d = |i: usize| high[i] - low[i];
-            mix(mix(d(0), d(1), u), mix(d(2), d(3), u), v)
-        };
-        let along = DVec3::new(
-            face([c[0], c[2], c[4], c[6]], [c[1], c[3], c[5], c[7]], w.y, w.z),
-            face([c[0], c[1], c[4], c[5]], [c[2], c[3], c[6], c[7]], w.x, w.z),
-            face([c[0], c[1], c[2], c[3]], [c[4], c[5], c[6], c[7]], w.x, w.y),
-        );
+        let along = trilinear_gradient(&corners(self, cell.as_ivec3()), clamped - cell);
         DVec3::select(position.cmpeq(clamped), along, DVec3::ZERO)
     }
 
-    /// The samples at the corners of a cell; bit 0 of the place is x, bit 1 y, bit 2 z.
-    fn corners(&self, cell: IVec3) -> [f64; 8] {
-        let [x, y, z] = [0, 1, 2].map(|axis| {
-            let last = self.dims[axis] - 1;
-            let low = usize::try_from(cell[axis]).unwrap_or(0).min(last);
-            [low, (low + 1).min(last)]
+    /// Gradient of the trilinear field by world coordinates at a world position.
+    pub(crate) fn world_gradient(&self, world: DVec3) -> DVec3 {
+        let at = self.index_from_world.transform_point3(world);
+        self.world_from_index_gradient() * self.gradient(at)
+    }
+
+    /// Calls `visit` with the curves along a ray between two distances, front to back, until it returns true. With faces
+    /// they end half-way between samples as well.
+    pub fn walk(
+        &self,
+        ray: &Ray,
+        ends: (f64, f64),
+        with_faces: bool,
+        mut visit: impl FnMut(&Curve) -> bool,
+    ) {
+        let with_faces = with_faces || self.kernel.has_faces();
+        self.stretches(ray, ends, with_faces, |start, end| {
+            let scalar = along(self, &self.line(ray, start, end));
+            visit(&Curve { start, end, scalar })
         });
-        std::array::from_fn(|i| self.sample(x[i & 1], y[i >> 1 & 1], z[i >> 2]))
     }
 
-    /// The scalar of a cell's own trilinear polynomial.
-    fn in_cell(&self, c: &[f64; 8], cell: DVec3, position: DVec3) -> f64 {
-        let w = position.clamp(DVec3::ZERO, self.last) - cell;
-        let mix = |a: f64, b: f64, w: f64| a + w * (b - a);
-        let (low, high) = (
-            mix(mix(c[0], c[1], w.x), mix(c[2], c[3], w.x), w.y),
-            mix(mix(c[4], c[5], w.x), mix(c[6], c[7], w.x), w.y),
-        );
-        mix(low, high, w.z)
-    }
-
-    /// Calls `visit` with the cubics along a ray between two distances, front to back, until it returns true.
-    pub fn walk(&self, ray: &Ray, (near, far): (f64, f64), mut visit: impl FnMut(&Cubic) -> bool) {
+    /// Calls `visit` with the distances between which a ray meets no plane through samples, nor half-way between them
+    /// where `with_faces` says so, until it returns true.
+    pub(crate) fn stretches(
+        &self,
+        ray: &Ray,
+        (near, far): (f64, f64),
+        with_faces: bool,
+        mut visit: impl FnMut(f64, f64) -> bool,
+    ) {
         let (origin, slope) = self.in_index(ray);
-        // The next plane through samples on each axis, and which way it goes.
+        let per_sample = if with_faces { 2 } else { 1 };
+        let scale = f64::from(per_sample);
+        let lasts = self.dims.map(|n| (n as i64 - 1) * i64::from(per_sample));
+        // The next plane on each axis, and which way it goes.
         let mut plane = [0_i64; 3];
         let mut next = [f64::INFINITY; 3];
         let steps = [0, 1, 2].map(|axis| if slope[axis] < 0.0 { -1_i64 } else { 1 });
         let crossing = |axis: usize, plane: i64| {
-            let last = self.dims[axis] as i64 - 1;
-            if (0..=last).contains(&plane) {
-                (plane as f64 - origin[axis]) / slope[axis]
+            if (0..=lasts[axis]).contains(&plane) {
+                (plane as f64 / scale - origin[axis]) / slope[axis]
             } else {
                 f64::INFINITY
             }
@@ -343,8 +310,8 @@ impl Field {
             if slope[axis] == 0.0 {
                 continue;
             }
-            let at = origin[axis] + near * slope[axis];
-            let last = self.dims[axis] as f64 - 1.0;
+            let at = scale * (origin[axis] + near * slope[axis]);
+            let last = lasts[axis] as f64;
             plane[axis] = if steps[axis] > 0 {
                 (at.floor() + 1.0).clamp(0.0, last + 1.0) as i64
             } else {
@@ -363,8 +330,7 @@ impl Field {
             };
             let end = next[first].min(far);
             if end > start {
-                let cubic = self.cubic(origin, slope, start, end);
-                if visit(&cubic) {
+                if visit(start, end) {
                     return;
                 }
                 start = end;
@@ -373,23 +339,6 @@ impl Field {
                 plane[first] += steps[first];
                 next[first] = crossing(first, plane[first]);
             }
-        }
-    }
-
-    fn cubic(&self, origin: DVec3, slope: DVec3, start: f64, end: f64) -> Cubic {
-        let middle = origin + 0.5 * (start + end) * slope;
-        let cell = middle.clamp(DVec3::ZERO, self.last).floor();
-        let corners = self.corners(cell.as_ivec3());
-        // Through four of its values (Newton's divided differences).
-        let [a, b, c, d] = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0]
-            .map(|w| self.in_cell(&corners, cell, origin + (start + w * (end - start)) * slope));
-        let cube = 4.5 * (d - 3.0 * c + 3.0 * b - a);
-        let square = 4.5 * (a - 2.0 * b + c) - cube;
-        Cubic {
-            start,
-            end,
-            terms: [a, d - a - cube - square, square, cube],
-            cell: cell.as_ivec3().to_array(),
         }
     }
 }

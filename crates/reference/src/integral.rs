@@ -7,7 +7,7 @@
 
 use std::sync::OnceLock;
 
-use crate::field::Cubic;
+use crate::curve::Curve;
 
 /// Points of the rule.
 const POINTS: usize = 7;
@@ -119,16 +119,16 @@ impl Light {
         }
     }
 
-    /// Adds what lies between the parameters `from` and `to` of a cubic; `matter` gives linear colour and extinction per
+    /// Adds what lies between the parameters `from` and `to` of a curve; `matter` gives linear colour and extinction per
     /// world unit at a parameter, and is smooth between them. The error is at most `allowance` per world unit.
     pub fn piece(
         &mut self,
-        cubic: &Cubic,
+        curve: &Curve,
         (from, to): (f64, f64),
         allowance: f64,
         matter: impl Fn(f64) -> ([f64; 3], f64),
     ) {
-        let length = cubic.end - cubic.start;
+        let length = curve.end - curve.start;
         // Parts still to do, the next one last: (start, end, halvings).
         let mut open = [(0.0, 0.0, 0_u32); MAX_HALVINGS as usize + 2];
         open[0] = (from, to, 0);
@@ -148,15 +148,15 @@ impl Light {
                 count += 2;
                 continue;
             }
-            self.add(cubic, &part, error);
+            self.add(curve, &part, error);
         }
     }
 
-    fn add(&mut self, cubic: &Cubic, part: &Part, error: f64) {
+    fn add(&mut self, curve: &Curve, part: &Part, error: f64) {
         let after = self.transmittance * (-part.depth).exp();
         if self.half.is_none() && after <= 0.5 {
             let depth = (2.0 * self.transmittance).ln().max(0.0);
-            self.half = Some(cubic.distance(part.place_of(depth)));
+            self.half = Some(curve.distance(part.place_of(depth)));
         }
         for (sum, value) in self.color.iter_mut().zip(part.color) {
             *sum += self.transmittance * value;
@@ -166,11 +166,11 @@ impl Light {
     }
 }
 
-/// A part of a piece: parameters of its cubic.
+/// A part of a piece: parameters of its curve.
 struct Part {
     start: f64,
     end: f64,
-    /// World length of the cubic.
+    /// World length of the curve.
     length: f64,
     color: [f64; 3],
     depth: f64,

@@ -1,9 +1,9 @@
-//! Pieces of a ray on which colour and extinction are smooth: cubics split where they turn and where they meet knots.
+//! Pieces of a ray on which colour and extinction are smooth: curves split where they turn and where they meet knots.
 
-use crate::field::Cubic;
+use crate::curve::Curve;
 use crate::matter::Matter;
 
-/// Parameters of a cubic between which everything is smooth, and the part of the transfer function there.
+/// Parameters of a curve between which everything is smooth, and the part of the transfer function there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Piece {
     /// Where it starts.
@@ -14,25 +14,27 @@ pub struct Piece {
     pub part: usize,
 }
 
-/// Calls `visit` with the pieces of a cubic between the parameters `from` and `to`, in order, until it returns true;
+/// Calls `visit` with the pieces of a curve between the parameters `from` and `to`, in order, until it returns true;
 /// whether it did.
 pub fn split(
-    cubic: &Cubic,
+    curve: &Curve,
     (from, to): (f64, f64),
     matter: &Matter,
     mut visit: impl FnMut(Piece) -> bool,
 ) -> bool {
-    let (turns, count) = cubic.turns();
-    for pair in turns[..count].windows(2) {
-        let (low, high) = (pair[0].max(from), pair[1].min(to));
+    let turns = curve.turns();
+    let mut turn_before = 0.0_f64;
+    for turn in turns.as_slice().iter().copied().chain([1.0]) {
+        let (low, high) = (turn_before.max(from), turn.min(to));
+        turn_before = turn;
         if low >= high {
             continue;
         }
-        let (first, last) = (cubic.at(low), cubic.at(high));
+        let (first, last) = (curve.at(low), curve.at(high));
         let rises = last >= first;
         let knots = matter.knots();
         let (least, most) = if rises { (first, last) } else { (last, first) };
-        // The knots strictly between the ends; where the cubic is flat there are none, and at a knot itself the later
+        // The knots strictly between the ends; where the curve is flat there are none, and at a knot itself the later
         // part holds.
         let lowest = knots.partition_point(|knot| *knot <= least);
         let highest = knots.partition_point(|knot| *knot < most).max(lowest);
@@ -40,10 +42,10 @@ pub fn split(
         for turn in lowest..=highest {
             // Knots in the order in which the ray meets them; behind the last one comes the end.
             let (end, part) = match (turn < highest, rises) {
-                (true, true) => (cubic.solve(start, high, knots[turn]), turn),
+                (true, true) => (curve.scalar.solve(start, high, knots[turn]), turn),
                 (true, false) => {
                     let at = highest - 1 - (turn - lowest);
-                    (cubic.solve(start, high, knots[at]), at + 1)
+                    (curve.scalar.solve(start, high, knots[at]), at + 1)
                 }
                 (false, true) => (high, highest),
                 (false, false) => (high, lowest),
@@ -68,13 +70,15 @@ mod tests {
     use volgraph_optics::TransferFunction;
 
     use super::*;
+    use crate::matter::Materials;
+    use crate::polynomial::Polynomial;
 
     fn matter() -> Matter {
         let text = r#"(domain: data, points: [
             (at: 0, color: (1, 1, 1), opacity: 0), (at: 0.5, color: (1, 1, 1), opacity: 0.5),
             (at: 1, color: (1, 1, 1), opacity: 1)])"#;
         let transfer = TransferFunction::parse("matter.ron".as_ref(), text).unwrap();
-        Matter::new(&transfer, (0.0, 1.0), 1.0)
+        Matter::new(&transfer, (0.0, 1.0), 1.0, &Materials::NONE)
     }
 
     #[test]
@@ -90,11 +94,10 @@ mod tests {
             [0.4, 2.2, -6.0, 4.0],
         ];
         for terms in cubics {
-            let cubic = Cubic {
+            let cubic = Curve {
                 start: 0.0,
                 end: 1.0,
-                terms,
-                cell: [0; 3],
+                scalar: Polynomial::new(&terms),
             };
             let mut end = 0.0;
             split(&cubic, (0.0, 1.0), &matter, |piece| {

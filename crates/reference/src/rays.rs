@@ -58,6 +58,17 @@ impl Rays {
         }
     }
 
+    /// World distance from a position to the eye, or to the eye's plane where rays are parallel.
+    #[must_use]
+    pub fn distance_to_eye(&self, world: DVec3) -> f64 {
+        let from_eye = world - self.eye;
+        if self.is_orthographic {
+            from_eye.dot(self.forward).max(0.0)
+        } else {
+            from_eye.length()
+        }
+    }
+
     /// Where the centre of a pixel is in the picture: -1 to 1 to the right and to the top.
     #[must_use]
     pub fn place(&self, x: u32, y: u32) -> [f64; 2] {

@@ -4,8 +4,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
+use crate::projection;
 use crate::rays::Ray;
 use crate::scene::{Scene, Technique};
+use crate::sight::Sight;
 use crate::volume_rendering::light;
 
 /// Told how far a picture is.
@@ -79,9 +81,7 @@ pub fn render(
     tolerance: f64,
     progress: &dyn Progress,
 ) -> Result<Rendered, ReferenceError> {
-    if !(1e-10..=1.0).contains(&tolerance) {
-        return Err(ReferenceError::Tolerance(tolerance));
-    }
+    check(tolerance)?;
     let [width, height] = scene.rays.size;
     let done = AtomicUsize::new(0);
     type Row = Vec<(Pixel, [f64; 4])>;
@@ -91,12 +91,7 @@ pub fn render(
             let row = (0..width)
                 .map(|x| {
                     let pixel = pixel(scene, x, y, tolerance);
-                    let behind = scene.background.at(&scene.rays, x, y);
-                    let open = 1.0 - pixel.color[3];
-                    (
-                        pixel,
-                        std::array::from_fn(|i| pixel.color[i] + open * behind[i]),
-                    )
+                    (pixel, over(scene, &pixel, x, y))
                 })
                 .collect();
             let done = 1 + done.fetch_add(1, Ordering::Relaxed);
@@ -118,6 +113,38 @@ pub fn render(
     })
 }
 
+/// The colours of some pixels (column and row, from the top), over the background, to an absolute tolerance.
+///
+/// # Errors
+/// [`ReferenceError::Tolerance`].
+pub fn render_pixels(
+    scene: &Scene,
+    pixels: &[[u32; 2]],
+    tolerance: f64,
+) -> Result<Vec<[f64; 4]>, ReferenceError> {
+    check(tolerance)?;
+    let colors = pixels.par_iter().map(|[x, y]| {
+        let pixel = pixel(scene, *x, *y, tolerance);
+        over(scene, &pixel, *x, *y)
+    });
+    Ok(colors.collect())
+}
+
+fn check(tolerance: f64) -> Result<(), ReferenceError> {
+    if (1e-10..=1.0).contains(&tolerance) {
+        Ok(())
+    } else {
+        Err(ReferenceError::Tolerance(tolerance))
+    }
+}
+
+/// The colour of a pixel over the background.
+fn over(scene: &Scene, pixel: &Pixel, x: u32, y: u32) -> [f64; 4] {
+    let behind = scene.background.at(&scene.rays, x, y);
+    let open = 1.0 - pixel.color[3];
+    std::array::from_fn(|i| pixel.color[i] + open * behind[i])
+}
+
 fn pixel(scene: &Scene, x: u32, y: u32, tolerance: f64) -> Pixel {
     let ray = scene.rays.ray(x, y);
     let Some((near, far)) = scene.field.interval(&ray) else {
@@ -128,16 +155,53 @@ fn pixel(scene: &Scene, x: u32, y: u32, tolerance: f64) -> Pixel {
         origin: ray.at(near),
         ..ray
     };
-    let interval = (0.0, far - near);
+    let sight = Sight::new(scene, ray, (0.0, far - near), near > 0.0);
+    let Some(own) = scene.looks.first() else {
+        return Pixel::NOTHING;
+    };
+    let extreme = |is_largest| {
+        projection::extreme(&sight, is_largest).map_or(Pixel::NOTHING, |extreme| Pixel {
+            color: scene
+                .looks
+                .get(extreme.look)
+                .unwrap_or(own)
+                .toned(extreme.scalar),
+            depth: near + extreme.distance,
+            ..Pixel::NOTHING
+        })
+    };
+    let composited = |with_matter, surfaces| {
+        let walk = light(&sight, tolerance, with_matter, surfaces);
+        let [r, g, b] = walk.light.color;
+        Pixel {
+            color: [r, g, b, 1.0 - walk.light.transmittance],
+            depth: near + walk.light.half.unwrap_or(f64::INFINITY),
+            normal: walk.normal.to_array(),
+            error: walk.light.error,
+        }
+    };
     match &scene.technique {
-        Technique::VolumeRendering { matter } => {
-            let light = light(&scene.field, matter, &ray, interval, tolerance);
-            let [r, g, b] = light.color;
+        Technique::VolumeRendering => composited(true, None),
+        Technique::Surfaces {
+            has_faces,
+            with_matter,
+        } => composited(*with_matter, Some(*has_faces)),
+        Technique::Maximum => extreme(true),
+        Technique::Minimum => extreme(false),
+        Technique::Average => projection::mean(&sight).map_or(Pixel::NOTHING, |mean| Pixel {
+            color: own.toned(mean),
+            ..Pixel::NOTHING
+        }),
+        Technique::Xray {
+            windows,
+            absorption,
+            film,
+        } => {
+            let opacity = -(-absorption * projection::shares(&sight, windows)).exp_m1();
+            let [r, g, b] = film.map(|channel| channel * opacity);
             Pixel {
-                color: [r, g, b, 1.0 - light.transmittance],
-                depth: near + light.half.unwrap_or(f64::INFINITY),
-                normal: [0.0; 3],
-                error: light.error,
+                color: [r, g, b, opacity],
+                ..Pixel::NOTHING
             }
         }
     }

@@ -1,9 +1,11 @@
 //! Rays whose colour and transmittance are known to 40 digits (`exact_rays.py` computes them with mpmath): constant,
 //! linear, quadratic and sampled sinusoidal scalars, each under a smooth, a linear, a step and a peak transfer function.
 
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use glam::DVec3;
 use volgraph_optics::TransferFunction;
-use volgraph_reference::{Background, Field, Matter, Rays, Scene, Silent, Technique, render};
+use volgraph_reference::{Field, Look, Materials, Matter, Rays, Scene, Silent, render};
 use volgraph_volume::{Grid, Volume, Voxels};
 
 /// 1024 times the samples of the sinusoid, twice and its first once more.
@@ -75,14 +77,8 @@ fn sixteen_rays_are_right_to_the_tolerance() {
         let fields: Vec<&str> = line.split('\t').collect();
         let numbers: Vec<f64> = fields[2..].iter().map(|n| n.parse().unwrap()).collect();
         let (field, direction) = scalar(fields[0]);
-        let scene = Scene {
-            rays: rays(direction),
-            technique: Technique::VolumeRendering {
-                matter: Matter::new(&transfer(fields[1]), (0.0, 1.0), 1.0),
-            },
-            field,
-            background: Background::Nothing,
-        };
+        let matter = Matter::new(&transfer(fields[1]), (0.0, 1.0), 1.0, &Materials::NONE);
+        let scene = Scene::unlit(rays(direction), field, Look::unlit(matter));
         for tolerance in [1e-4, 1e-8, 1e-10] {
             let rendered = render(&scene, tolerance, &Silent).unwrap();
             let [r, g, b, a] = rendered.color[0];

@@ -1,4 +1,4 @@
-//! The order of convergence in the step that a shader file declares in the comment at its head.
+//! The order of convergence in the step (of `reconstruct` in the grid's spacing) that a shader file declares in the comment at its head.
 //!
 //! ```wgsl
 //! // Colour and opacity of a segment: …

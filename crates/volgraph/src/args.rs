@@ -2,6 +2,8 @@
 
 mod accuracy;
 mod authors;
+mod chart;
+mod verify;
 
 use std::path::PathBuf;
 
@@ -11,6 +13,8 @@ use volgraph_volume::ScalarType;
 
 pub use accuracy::{AdviseArgs, ReferenceArgs, StressArgs};
 pub use authors::{GalleryArgs, GraphsArgs, NewArgs, NewSlot, TestArgs};
+pub use chart::{ChartArgs, TruthChoice};
+pub use verify::{STOCK, VerifyArgs};
 
 /// Draws volumes with WGSL shaders that plug into a render graph, and says how wrong each picture is.
 #[derive(Parser, Debug)]
@@ -34,6 +38,11 @@ pub enum Command {
     ///
     /// Exit code 1 means that a method which must hold does not.
     Stress(StressArgs),
+    /// Measure a graph's orders of convergence and hold them against what its slots declare; or render a picture again from
+    /// its metadata and compare.
+    ///
+    /// Exit code 1 means that an order is below the declared one, or that the picture differs.
+    Verify(VerifyArgs),
     /// Print what a graph comes to: nodes, bindings, sizes, memory, conventions.
     Plan(PlanArgs),
     /// Check shaders, graphs, transfer functions and test cases, without a GPU; folders are searched.
@@ -66,6 +75,10 @@ pub enum Command {
     Adapters(AdaptersArgs),
     /// Time the frames of a graph while the camera turns.
     Bench(BenchArgs),
+    /// Chart the methods of graphs by speed and accuracy: a table, a chart and a page with pictures and error maps.
+    ///
+    /// All that a graph's raycast offers is compared: classifications, steps, storages, stages. Frames are timed in turn.
+    Chart(ChartArgs),
     /// Render a graph, and again whenever a file that the picture depends on changes.
     ///
     /// Shaders with all that they import, the graph, transfer functions, images and volumes are watched. A change that
@@ -271,7 +284,7 @@ pub struct LinkArgs {
 pub struct CompareArgs {
     /// A picture.
     pub a: PathBuf,
-    /// The picture that it is held against.
+    /// The picture that it is held against; or the word `reference`, for the truth of A as its metadata tells it.
     pub b: PathBuf,
     /// Exit with 1 where the root mean square error is larger.
     #[arg(long, value_name = "ERROR", value_parser = parse_bound)]
@@ -344,8 +357,8 @@ pub struct WatchArgs {
     /// While it runs, newer pictures wait; the last of them is next.
     #[arg(long, value_name = "COMMAND")]
     pub exec: Option<String>,
-    /// Print how far each picture is from this one, instead of from the last.
-    #[arg(long, value_name = "PICTURE")]
+    /// Print how far each picture is from this one, instead of from the last; or from its truth, with the word `reference`.
+    #[arg(long, value_name = "PICTURE | reference")]
     pub against: Option<PathBuf>,
     /// Look at the files every so many milliseconds, instead of being told by the system.
     #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u64).range(1..=3_600_000))]

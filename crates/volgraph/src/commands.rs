@@ -3,6 +3,7 @@
 mod adapters;
 mod advise;
 mod bench;
+mod chart;
 mod check;
 mod compare;
 mod errors;
@@ -18,6 +19,7 @@ mod render;
 mod shader_tree;
 mod stress;
 mod test;
+mod verify;
 mod watch;
 mod write;
 
@@ -39,6 +41,7 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Reference(args) => reference::run(&args),
         Command::Advise(args) => advise::run(&args),
         Command::Stress(args) => stress::run(&args),
+        Command::Verify(args) => verify::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),
@@ -51,6 +54,7 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Gallery(args) => gallery::run(&args),
         Command::Adapters(args) => adapters::run(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::Chart(args) => chart::run(&args),
         Command::Watch(args) => watch::run(&args),
     }
 }
@@ -94,6 +98,7 @@ fn session_options(args: &SceneArgs, output: Option<&Path>) -> SessionOptions {
         shader_folders: args.shader_folders(),
         with_layers: output.is_some_and(|output| extension(output) == "exr"),
         max_resource_bytes: args.max_resource_gib.map(|gib| gib << 30),
+        is_as_written: false,
     }
 }
 

@@ -21,17 +21,22 @@ pub mod case;
 mod dependencies;
 pub mod embedded;
 pub mod metadata;
+pub mod methods;
 mod overrides;
+pub mod quality;
+pub mod recorded;
 mod scene;
 mod session;
 mod shaders;
 pub mod stress;
 pub mod truth;
+pub mod verify;
 
 pub use case::{Case, CaseOptions};
 pub use dependencies::Dependencies;
 pub use embedded::{EMBEDDED_GRAPHS, ReadyGraph, ready_graphs};
 pub use overrides::{Overrides, ParamOverride};
+pub use recorded::Recorded;
 pub use scene::{NoProgress, Scene, SourceProgress};
 pub use session::{
     Change, ChangeReport, ChangedFile, Drawn, Outcome, Refused, Session, SessionOptions, Stages,

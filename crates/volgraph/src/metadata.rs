@@ -11,12 +11,15 @@ use crate::scene::Scene;
 /// The metadata of a picture: (key, value).
 ///
 /// `version`, `graph.path`, `graph.text` and `graph.digest` (blake3 of the text), `overrides` (JSON), `size`, `camera`
-/// (JSON), `adapter` (who drew it), `digest.sources` and `digest.shaders` (JSON: name of the source or node → blake3 of its content
+/// (JSON), `adapter` (who drew it), `shaders.folders` (JSON: the user's own folders of shaders), `digest.sources` and
+/// `digest.shaders` (JSON: name of the source or node → blake3 of its content
 /// or its linked text), and `conventions` (JSON).
 #[must_use]
 pub fn of(scene: &Scene, plan: &Plan, view: &View, adapter: &dyn Display) -> Vec<(String, String)> {
     let mut hasher = Hasher::new();
     hasher.part(scene.text.as_bytes());
+    let own = scene.shader_folders.own.iter();
+    let folders: serde_json::Value = own.map(|it| it.display().to_string()).collect();
     let mut metadata = vec![
         ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
         ("graph.path".to_owned(), scene.path.display().to_string()),
@@ -29,6 +32,7 @@ pub fn of(scene: &Scene, plan: &Plan, view: &View, adapter: &dyn Display) -> Vec
         ),
         ("camera".to_owned(), json!(view.camera).to_string()),
         ("adapter".to_owned(), adapter.to_string()),
+        ("shaders.folders".to_owned(), folders.to_string()),
     ];
     let mut sources = serde_json::Map::new();
     let mut shaders = serde_json::Map::new();

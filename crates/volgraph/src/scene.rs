@@ -107,6 +107,31 @@ impl Scene {
         scene.read(&|_, _| None, progress, dependencies)
     }
 
+    /// A graph of a known text, as if it were read from a path, and all of its sources.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn of_text(
+        path: &Path,
+        text: String,
+        overrides: &Overrides,
+        shader_folders: &ShaderFolders,
+        registry: Registry,
+        progress: &dyn SourceProgress,
+    ) -> Result<Self, Findings> {
+        let scene = Self {
+            path: path.to_path_buf(),
+            text,
+            desc: GraphDesc::default(),
+            overrides: overrides.clone(),
+            sources: IndexMap::new(),
+            registry,
+            shader_folders: shader_folders.clone(),
+            data: BTreeMap::new(),
+        };
+        scene.read(&|_, _| None, progress, &mut Dependencies::default())
+    }
+
     /// The graph with another text, and its sources: those that it now asks for differently or whose files are among
     /// `changed` are read, the others are shared with this scene.
     ///

@@ -25,6 +25,7 @@ pub use change::{Change, ChangeReport, ChangedFile, Drawn, Outcome, Refused, Sta
 use self::read_back::{picture, read};
 use crate::dependencies::Dependencies;
 use crate::overrides::Overrides;
+use crate::quality::{self, Chosen, QualityOptions};
 use crate::scene::{NoProgress, Scene, SourceProgress};
 use crate::shaders::ShaderFolders;
 
@@ -44,6 +45,8 @@ pub struct SessionOptions {
     /// Most bytes of one texture or buffer; [`Limits::max_resource_bytes`] by default. More is refused before it is
     /// allocated. For devices with large memories.
     pub max_resource_bytes: Option<u64>,
+    /// Whether the graph's settings stand as they are written, whatever budget it states.
+    pub is_as_written: bool,
 }
 
 impl Default for SessionOptions {
@@ -55,6 +58,7 @@ impl Default for SessionOptions {
             shader_folders: ShaderFolders::default(),
             with_layers: false,
             max_resource_bytes: None,
+            is_as_written: false,
         }
     }
 }
@@ -108,6 +112,8 @@ struct State {
     installation: Installation,
     stance: Stance,
     view: View,
+    /// What was chosen for the graph's budget.
+    chosen: Option<Chosen>,
     /// Whether a picture of it has been looked at and found good.
     is_proven: bool,
 }
@@ -213,6 +219,8 @@ impl Session {
         dependencies: &mut Dependencies,
     ) -> Result<Self, Findings> {
         scene.check_color_output()?;
+        let wanted = scene.overrides.clone();
+        let (scene, chosen) = settle(scene, &gpu, options, None)?;
         let (shaders, snapshot) = apply::library(&scene, &gpu);
         let limits = options.limits(&gpu);
         let plan = scene.plan(&shaders, &limits, options.size, options.with_layers);
@@ -225,7 +233,7 @@ impl Session {
         Ok(Self {
             options: options.clone(),
             runner,
-            wanted: scene.overrides.clone(),
+            wanted,
             dependencies: dependencies.clone(),
             state: State {
                 scene,
@@ -234,6 +242,7 @@ impl Session {
                 installation,
                 stance,
                 view,
+                chosen,
                 is_proven: false,
             },
             pending: BTreeSet::new(),
@@ -253,6 +262,12 @@ impl Session {
     #[must_use]
     pub fn plan(&self) -> &Plan {
         self.state.installation.plan()
+    }
+
+    /// What was chosen for the graph's budget, where it states one.
+    #[must_use]
+    pub fn chosen(&self) -> Option<&Chosen> {
+        self.state.chosen.as_ref()
     }
 
     /// The adapter that it runs on.
@@ -416,6 +431,39 @@ impl Session {
     pub fn read(&self, output: &str) -> Result<Picture, Findings> {
         read(&self.runner, &self.state.installation, output)
     }
+}
+
+/// A scene with the method that its budget asks for. A budget that was settled before is settled as it was: while people
+/// edit, the method stays.
+fn settle(
+    scene: Scene,
+    gpu: &Arc<Gpu>,
+    options: &SessionOptions,
+    before: Option<&Chosen>,
+) -> Result<(Scene, Option<Chosen>), Findings> {
+    let Some(desc) = scene
+        .desc
+        .quality
+        .as_ref()
+        .filter(|_| !options.is_as_written)
+    else {
+        return Ok((scene, None));
+    };
+    let chosen = match before.filter(|before| before.budget == desc.budget) {
+        Some(before) => Some(before.clone()),
+        None => quality::choose(&scene, gpu, options, &QualityOptions::default())?,
+    };
+    let Some(chosen) = chosen else {
+        return Ok((scene, None));
+    };
+    let mut overrides = scene.overrides.clone();
+    // What is set by name comes later, and holds.
+    let method = chosen.method.overrides(&chosen.node);
+    if !overrides.params.starts_with(&method) {
+        overrides.params.splice(0..0, method);
+    }
+    let settled = scene.with_overrides(&overrides, &NoProgress)?;
+    Ok((settled, Some(chosen)))
 }
 
 impl State {

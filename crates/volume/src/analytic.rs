@@ -1,7 +1,8 @@
 //! Volumes of known functions: exact values and gradients everywhere, for tests and pictures of accuracy.
 //!
 //! An [`AnalyticField`] is a function of a point `p` of the cube `[-1, 1]³`, computed in float64. [`sample`]
-//! makes a [`Volume`] of it: voxel centres at `-1 + (2 i + 1) / n` along each axis. In the world the cube is
+//! makes a [`Volume`] of it: voxel centres at `-1 + (2 i + 1) / n` along each axis, or with [`sample_nodes`] samples
+//! from face to face at `-1 + 2 i / (n - 1)`. In the world the cube is
 //! `[-0.5, 0.5]³`, so `world = p / 2`, and a gradient in world space is twice the one given here.
 //! [`AnalyticField::by_name`] takes names and parameters as graph files have them; [`FieldInfo`] documents them.
 
@@ -19,7 +20,7 @@ use crate::{Element, Grid, LoadOptions, ScalarType, Volume, VolumeError, Voxels}
 
 pub use hydrogen::Hydrogen;
 pub use molecule::C60;
-pub use shapes::{Constant, Gyroid, MarschnerLobb, Ramp, Sphere, Torus};
+pub use shapes::{Constant, Gyroid, MarschnerLobb, Ramp, Sphere, Torus, Trilinear};
 
 /// A scalar function of the cube `[-1, 1]³` with its exact gradient.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +33,7 @@ pub enum AnalyticField {
     Torus(Torus),
     Gyroid(Gyroid),
     Ramp(Ramp),
+    Trilinear(Trilinear),
     Constant(Constant),
 }
 
@@ -77,6 +79,10 @@ const fn parameter(
     }
 }
 
+const fn corner(name: &'static str, default: f64, doc: &'static str) -> ParameterInfo {
+    parameter(name, default, -1e30, 1e30, doc)
+}
+
 const FALLOFF: ParameterInfo = parameter(
     "falloff",
     2.5,
@@ -86,7 +92,7 @@ const FALLOFF: ParameterInfo = parameter(
 );
 
 /// All fields.
-pub const FIELDS: [FieldInfo; 8] = [
+pub const FIELDS: [FieldInfo; 9] = [
     FieldInfo {
         name: "marschner_lobb",
         doc: "rings of nearly constant frequency: the test signal of Marschner and Lobb 1994",
@@ -175,6 +181,20 @@ pub const FIELDS: [FieldInfo; 8] = [
         ],
     },
     FieldInfo {
+        name: "trilinear",
+        doc: "trilinear between values at the corners of the cube: one cell of a grid, without kinks",
+        parameters: &[
+            corner("c000", 0.10, "value at the corner -x -y -z"),
+            corner("c100", 0.70, "value at +x -y -z"),
+            corner("c010", 0.45, "value at -x +y -z"),
+            corner("c110", 0.20, "value at +x +y -z"),
+            corner("c001", 0.80, "value at -x -y +z"),
+            corner("c101", 0.35, "value at +x -y +z"),
+            corner("c011", 0.25, "value at -x +y +z"),
+            corner("c111", 0.95, "value at +x +y +z"),
+        ],
+    },
+    FieldInfo {
         name: "constant",
         doc: "the same everywhere",
         parameters: &[parameter("value", 0.5, -1e30, 1e30, "the value")],
@@ -258,6 +278,9 @@ impl AnalyticField {
                 "the ramp has no direction".into(),
                 "give a direction other than 0",
             ))?),
+            ("trilinear", &[a, b, c, d, e, f, g, h]) => Self::Trilinear(Trilinear {
+                corners: [a, b, c, d, e, f, g, h],
+            }),
             (_, values) => Self::Constant(Constant {
                 value: values.first().copied().unwrap_or(0.5),
             }),
@@ -275,6 +298,7 @@ impl AnalyticField {
             Self::Torus(_) => "torus",
             Self::Gyroid(_) => "gyroid",
             Self::Ramp(_) => "ramp",
+            Self::Trilinear(_) => "trilinear",
             Self::Constant(_) => "constant",
         }
     }
@@ -290,6 +314,7 @@ impl AnalyticField {
             Self::Torus(field) => field.value(p),
             Self::Gyroid(field) => field.value(p),
             Self::Ramp(field) => field.value(p),
+            Self::Trilinear(field) => field.value(p),
             Self::Constant(field) => field.value,
         }
     }
@@ -306,6 +331,7 @@ impl AnalyticField {
             Self::Torus(field) => field.gradient(p),
             Self::Gyroid(field) => field.gradient(p),
             Self::Ramp(field) => field.gradient,
+            Self::Trilinear(field) => field.gradient(p),
             Self::Constant(_) => DVec3::ZERO,
         }
     }
@@ -325,6 +351,30 @@ pub fn voxel_centre(dims: [u32; 3], index: [u32; 3]) -> DVec3 {
     (2.0 * index + 1.0) / UVec3::from_array(dims).as_dvec3() - 1.0
 }
 
+/// The grid of a field that is sampled from face to face of the cube: node-centred, with spacing `1 / (n - 1)`; an axis
+/// with a single sample has it in the middle.
+#[must_use]
+pub fn node_grid(dims: [u32; 3]) -> Grid {
+    let cells = UVec3::from_array(dims).saturating_sub(UVec3::ONE);
+    let spacing = cells.max(UVec3::ONE).as_dvec3().recip();
+    let origin = DVec3::select(cells.cmpeq(UVec3::ZERO), DVec3::ZERO, DVec3::splat(-0.5));
+    let mut grid = Grid::axis_aligned(dims, spacing, origin);
+    grid.node_centred = true;
+    grid
+}
+
+/// A volume of a field at the samples of [`node_grid`], the values as of [`sample`].
+///
+/// # Errors
+/// As [`sample`].
+pub fn sample_nodes(
+    field: &AnalyticField,
+    dims: [u32; 3],
+    ty: ScalarType,
+) -> Result<Volume, VolumeError> {
+    sample_on(field, node_grid(dims), ty)
+}
+
 /// A volume of a field at voxel centres. Float voxels are the value itself (float32 rounded); integers are
 /// `round(value * MAX)` of the value clamped to 0..1 (unsigned) or -1..1 (signed).
 ///
@@ -336,7 +386,10 @@ pub fn sample(
     dims: [u32; 3],
     ty: ScalarType,
 ) -> Result<Volume, VolumeError> {
-    let grid = grid(dims);
+    sample_on(field, grid(dims), ty)
+}
+
+fn sample_on(field: &AnalyticField, grid: Grid, ty: ScalarType) -> Result<Volume, VolumeError> {
     grid.check()?;
     let limit = crate::load::Limits::of(&LoadOptions::default()).max_bytes;
     let count = grid.voxel_count();
@@ -353,23 +406,29 @@ pub fn sample(
         return Err(too_large());
     }
     let voxels = for_scalar_type!(ty, T => {
-        fill::<T>(field, dims, count as usize).ok_or_else(too_large)?
+        fill::<T>(field, &grid, count as usize).ok_or_else(too_large)?
     });
     Volume::new(field.name(), grid, voxels)
 }
 
-fn fill<T: Element>(field: &AnalyticField, dims: [u32; 3], count: usize) -> Option<Voxels> {
+fn fill<T: Element>(field: &AnalyticField, grid: &Grid, count: usize) -> Option<Voxels> {
     let mut voxels: Vec<T> = Vec::new();
     voxels.try_reserve_exact(count).ok()?;
     voxels.resize(count, T::zeroed());
-    let [nx, ny, _] = dims;
+    let [nx, ny, _] = grid.dims;
     voxels
         .par_chunks_mut(nx as usize)
         .enumerate()
         .for_each(|(row, voxels)| {
             let (y, z) = (row as u64 % u64::from(ny), row as u64 / u64::from(ny));
             for (x, voxel) in (0_u32..).zip(voxels) {
-                let centre = voxel_centre(dims, [x, y as u32, z as u32]);
+                let index = [x, y as u32, z as u32];
+                let centre = if grid.node_centred {
+                    // The cube [-1, 1]³ is [-0.5, 0.5]³ in the world.
+                    2.0 * (grid.origin() + grid.spacing() * UVec3::from_array(index).as_dvec3())
+                } else {
+                    voxel_centre(grid.dims, index)
+                };
                 *voxel = T::from_field(field.value(centre));
             }
         });

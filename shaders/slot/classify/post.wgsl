@@ -6,7 +6,11 @@
 #import slot "reconstruct"
 
 fn classify_segment(ray: Ray, segment: Segment) -> Classified {
-    let entry = transfer_at(reconstruct_scalar(segment_centre(ray, segment)));
+    var scalar = segment.middle;
+    if !segment.has_middle {
+        scalar = reconstruct_scalar(segment_centre(ray, segment));
+    }
+    let entry = transfer_at(scalar);
     let transmittance = exp2(-entry.w * (segment.length * transfer.halvings_per_world));
     return Classified(entry.xyz * (1.0 - transmittance), transmittance);
 }

@@ -26,14 +26,28 @@ fn preintegrated_2d_between(ends: vec2f, length: f32) -> Classified {
     return Classified(entry.xyz * ratio, part_transmittance);
 }
 
-fn classify_segment(ray: Ray, segment: Segment) -> Classified {
-    let ends = (vec2f(segment.front.scalar, segment.back.scalar) - transfer.low) * transfer.preintegration_per_scalar;
+// Between two scalars, over a world length. What leaves the table is cut there.
+fn preintegrated_2d_piece(front: f32, back: f32, length: f32) -> Classified {
+    let ends = (vec2f(front, back) - transfer.low) * transfer.preintegration_per_scalar;
     let inside = clamp(ends, vec2f(0.0), vec2f(transfer.preintegration_last));
     if all(inside == ends) {
-        return preintegrated_2d_between(inside, segment.length);
+        return preintegrated_2d_between(inside, length);
     }
-    let lengths = transfer_shares(ends, transfer.preintegration_last) * segment.length;
+    let lengths = transfer_shares(ends, transfer.preintegration_last) * length;
     let before = preintegrated_2d_between(inside.xx, lengths.x);
     let behind = preintegrated_2d_between(inside.yy, lengths.z);
     return classified_behind(classified_behind(before, preintegrated_2d_between(inside, lengths.y)), behind);
+}
+
+fn classify_segment(ray: Ray, segment: Segment) -> Classified {
+    let front = segment.front.scalar;
+    let back = segment.back.scalar;
+    // Segments that know their middle are two of the table's, of one length: the scalar runs linearly through both.
+    // All others know at build time that they do not, so this costs them nothing.
+    if segment.has_middle {
+        let middle = 0.5 * (front + back);
+        let near = preintegrated_2d_piece(front, middle, 0.5 * segment.length);
+        return classified_behind(near, preintegrated_2d_piece(middle, back, 0.5 * segment.length));
+    }
+    return preintegrated_2d_piece(front, back, segment.length);
 }

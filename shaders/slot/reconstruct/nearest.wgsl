@@ -1,4 +1,5 @@
 // The scalar at a point: that of the nearest voxel.
+// @order 1
 #import "lib/volume.wgsl"
 
 fn reconstruct_scalar(position: vec3f) -> f32 {

@@ -154,7 +154,7 @@ fn shadow_is_free(given: ShadowStart, ray: Ray) -> bool {
             let end = shadow_end(part, index, number == 0u);
             let back = shadow_sample(part, end);
             if start.is_free {
-                let segment = Segment(front, back, from_entry, end - from_entry);
+                let segment = segment_between(front, back, from_entry, end - from_entry);
                 if crossing_next(part, segment, isovalue_level(), -1.0) != CROSSING_NONE {
                     return false;
                 }

@@ -42,9 +42,9 @@ fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ra
         }
         let cut = Sample(ray_position(*ray, after), isovalue_level());
         if after < end {
-            composite = technique_piece(composite, *ray, Segment(front, cut, start, after - start));
+            composite = technique_piece(composite, *ray, segment_between(front, cut, start, after - start));
         } else {
-            composite = technique_piece(composite, *ray, Segment(front, segment.back, start, end - start));
+            composite = technique_piece(composite, *ray, segment_between(front, segment.back, start, end - start));
         }
         let normal = surface_gradient_normal(*ray, after);
         composite = technique_surface(composite, *ray, after, normal, isovalue_level());
@@ -52,7 +52,7 @@ fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ra
         start = after;
     }
     if !compositing_is_done(composite) {
-        composite = technique_piece(composite, *ray, Segment(front, segment.back, start, end - start));
+        composite = technique_piece(composite, *ray, segment_between(front, segment.back, start, end - start));
     }
     (*state).composite = composite;
     return compositing_is_done(composite);

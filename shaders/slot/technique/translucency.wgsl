@@ -81,7 +81,7 @@ fn translucency_inside(ray: Ray) -> f32 {
         for (var index = 0u; start < length && index < SHADOW_MAX_SEGMENTS; index++) {
             let end = shadow_segment_end(part, index);
             let back = shadow_sample(part, end);
-            inside += translucency_segment(part, Segment(front, back, start, end - start));
+            inside += translucency_segment(part, segment_between(front, back, start, end - start));
             front = back;
             start = end;
         }

@@ -322,10 +322,17 @@ pub(super) const OUTPUTS: &[OutputPort] = &[
         ty: PortType::Scalar2d,
         doc: "Label of what the ray shows.",
     },
+    OutputPort {
+        name: "error",
+        ty: PortType::Scalar2d,
+        doc: "Estimated integration error of the colour: the largest absolute one of its four linear premultiplied components.",
+    },
 ];
 
 /// The outputs beside the colour; each is written by a slot of its own, `<name>_layer`.
-pub(super) const LAYERS: [&str; 6] = ["depth", "opacity", "position", "normal", "samples", "label"];
+pub(super) const LAYERS: [&str; 7] = [
+    "depth", "opacity", "position", "normal", "samples", "label", "error",
+];
 
 pub(super) const SLOTS: &[SlotSpec] = &[
     SlotSpec {

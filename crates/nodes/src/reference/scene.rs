@@ -4,12 +4,17 @@
 //! one picture. What the reference has no closed form for is refused by name (`not-covered`), never left out.
 
 use volgraph_graph::{NodeContext, View};
-use volgraph_reference::{Background, Field, Matter, Rays, Scene, Technique};
+use volgraph_reference::{Field, Gradients, Kernel, Rays, Scene, Shadow, Technique};
 use volgraph_report::Finding;
-use volgraph_shader::ParamValue;
 
+use super::behind::behind;
+use super::covered::{self, refusal};
+use super::labels::{Row, labels};
+use super::looks::{look, window};
+use super::space::{clip, half_side};
+use super::values::Values;
+use crate::placement;
 use crate::raycast::Raycast;
-use crate::{background, placement, raycast, transfer_table};
 use volgraph_graph::NodeKind;
 
 /// The rays of a view.
@@ -41,92 +46,94 @@ pub fn raycast_scene(node: &NodeContext<'_>, view: &View) -> Result<Scene, Findi
             .error("not-covered", message)
             .help("connect the port `color` of a raycast"));
     }
-    covered(node, "reconstruct", &["trilinear"])?;
-    covered(node, "clip", &["none"])?;
-    covered(node, "labels", &["none"])?;
+    covered::check(node)?;
+    let own = Values::own(node);
+    let field = Field::new(placement::volume(node, "volume")?).with_kernel(kernel(node)?);
+    let (labels, rows) = labels(node)?;
+    let mut looks = vec![look(&own, 0)?];
+    for row in &rows {
+        looks.push(look(
+            &Values {
+                row: row.params,
+                ..own
+            },
+            row.transfer,
+        )?);
+    }
     Ok(Scene {
         rays: rays(view),
-        field: Field::new(placement::volume(node, "volume")?),
-        technique: technique(node)?,
-        background: background(node)?,
+        field,
+        gradients: gradients(node),
+        clip: clip(&own)?,
+        labels,
+        technique: technique(&own, &rows)?,
+        looks,
+        shadow: shadow(node),
+        background: behind(node, view)?,
     })
 }
 
-/// Refuses choices that the reference does not know.
-fn covered(node: &NodeContext<'_>, slot: &str, choices: &[&str]) -> Result<(), Finding> {
-    let choice = node.slot(slot);
-    if choice.is_empty() || choices.contains(&choice) {
-        return Ok(());
-    }
-    let known = choices.join("`, `");
-    Err(node
-        .error(
-            "not-covered",
-            format!("the reference does not compute the choice `{choice}` of its slot `{slot}`"),
-        )
-        .help(format!(
-            "compare with a choice that it computes (`{known}`), or with the same graph at a much smaller step"
-        )))
-}
-
-fn technique(node: &NodeContext<'_>) -> Result<Technique, Finding> {
-    covered(node, "technique", &["dvr"])?;
-    covered(node, "light", &["unlit"])?;
-    Ok(Technique::VolumeRendering {
-        matter: matter(node)?,
+fn kernel(node: &NodeContext<'_>) -> Result<Kernel, Finding> {
+    Ok(match node.slot("reconstruct") {
+        "nearest" => Kernel::Nearest,
+        "trilinear" => Kernel::Linear,
+        "tricubic" => Kernel::Bspline,
+        "catmull_rom" => Kernel::CatmullRom,
+        other => return Err(refusal(node, &format!("the reconstruction `{other}`"))),
     })
 }
 
-/// The transfer function in the units of the volume.
-fn matter(node: &NodeContext<'_>) -> Result<Matter, Finding> {
-    let transfer = transfer_table::transfer(node, "transfer")?;
-    let volume = placement::volume(node, "volume")?;
-    let value = |at: f64| raycast::data_value(volume, transfer.domain(), at);
-    let low = value(0.0);
-    let units = (low, value(1.0) - low);
-    Ok(Matter::new(&transfer, units, volume.grid().min_spacing()))
+fn gradients(node: &NodeContext<'_>) -> Gradients {
+    match (node.slot("gradient"), node.slot("gradient_method")) {
+        ("central", _) => Gradients::Central,
+        ("analytic", _) => Gradients::Trilinear,
+        ("tricubic", _) => Gradients::Bspline,
+        ("stored", "sobel") => Gradients::StoredSobel,
+        ("stored", "central") => Gradients::StoredCentral,
+        // Nobody reads it, or it would have been refused.
+        _ => Gradients::default(),
+    }
 }
 
-fn background(node: &NodeContext<'_>) -> Result<Background, Finding> {
-    let Some(writer) = node.writer("behind") else {
-        return Ok(Background::Nothing);
-    };
-    if writer.kind_name() != background::Background.name() {
-        let message = format!(
-            "the reference does not compute a `{}` behind a raycast",
-            writer.kind_name()
-        );
-        return Err(node
-            .error("not-covered", message)
-            .help("connect a `background` to `behind`"));
+fn shadow(node: &NodeContext<'_>) -> Shadow {
+    match node.slot("shadow") {
+        _ if node.slot("light") == "unlit" => Shadow::None,
+        "surface" => Shadow::Solid,
+        "transmittance" => Shadow::Matter,
+        _ => Shadow::None,
     }
-    Ok(match writer.text("pattern") {
-        "uniform" => Background::Uniform(color(&writer, "color")),
-        "gradient" => Background::Gradient {
-            bottom: color(&writer, "bottom"),
-            top: color(&writer, "top"),
-        },
-        "checker" => Background::Checker {
-            color: color(&writer, "color"),
-            other_color: color(&writer, "other_color"),
-            squares: writer.float("squares"),
-        },
-        other => {
-            let message = format!("the reference does not compute the pattern `{other}`");
-            return Err(writer
-                .error("not-covered", message)
-                .help("choose the pattern `uniform`, `gradient` or `checker`"));
+}
+
+fn technique(own: &Values<'_>, rows: &[Row<'_>]) -> Result<Technique, Finding> {
+    let node = &own.node;
+    Ok(match node.slot("technique") {
+        "dvr" => Technique::VolumeRendering,
+        "mip" => Technique::Maximum,
+        "minip" => Technique::Minimum,
+        "average" => Technique::Average,
+        "xray" => {
+            let mut windows = vec![window(own)?];
+            for row in rows {
+                windows.push(window(&Values {
+                    row: row.params,
+                    ..*own
+                })?);
+            }
+            let half_side = half_side(placement::volume(node, "volume")?.grid());
+            Technique::Xray {
+                windows,
+                absorption: own.float("absorption") / half_side,
+                film: own.vector("film"),
+            }
         }
+        "isosurface" | "isosurface_dvr" => Technique::Surfaces {
+            has_faces: own.text("cut_faces") == "drawn",
+            with_matter: node.slot("technique") == "isosurface_dvr",
+        },
+        "isosurfaces_translucent" => Technique::Surfaces {
+            has_faces: false,
+            with_matter: false,
+        },
+        other => return Err(refusal(node, &format!("the technique `{other}`"))),
     })
-}
-
-/// A parameter of four numbers; zeros where there is none of that name.
-fn color(node: &NodeContext<'_>, name: &str) -> [f64; 4] {
-    let mut color = [0.0; 4];
-    if let Some(ParamValue::Vector(values)) = node.param(name) {
-        for (to, from) in color.iter_mut().zip(values) {
-            *to = *from;
-        }
-    }
-    color
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use volgraph_graph::{Folders, PortType, Source, SourceKind};
 use volgraph_report::{Finding, Findings, did_you_mean};
 use volgraph_shader::{ParamSpec, ParamValue};
-use volgraph_volume::analytic::{AnalyticField, sample};
+use volgraph_volume::analytic::{AnalyticField, sample, sample_nodes};
 use volgraph_volume::{ScalarType, Volume, VolumeError};
 
 use super::Given;
@@ -16,7 +16,7 @@ use super::volume::VolumeSource;
 pub struct AnalyticKind;
 
 /// The fields of the source that are not the function's own parameters.
-const OWN: [&str; 4] = ["field", "dims", "type", "levels"];
+const OWN: [&str; 5] = ["field", "dims", "type", "levels", "node_centred"];
 
 impl SourceKind for AnalyticKind {
     fn name(&self) -> &'static str {
@@ -47,6 +47,11 @@ impl SourceKind for AnalyticKind {
                 "Makes labels of it: so many even steps of 0..1, numbered from 0, as uint8; 0 leaves the values.",
             )
             .range(0.0, 256.0),
+            ParamSpec::bool(
+                "node_centred",
+                false,
+                "Samples run from face to face of the cube, instead of lying at the centres of voxels.",
+            ),
         ];
         for info in names.iter().filter_map(|name| AnalyticField::info(name)) {
             for parameter in info.parameters {
@@ -90,6 +95,11 @@ impl SourceKind for AnalyticKind {
             })
             .collect();
         let dims = given.dims("dims")?.unwrap_or([64; 3]);
+        let sample = if given.is_set("node_centred") {
+            sample_nodes
+        } else {
+            sample
+        };
         let volume = AnalyticField::by_name(name, &own)
             .and_then(
                 |field| match given.uint("levels").filter(|levels| *levels > 0) {

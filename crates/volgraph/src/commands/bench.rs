@@ -4,9 +4,9 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::{DQuat, DVec3};
 use serde_json::json;
-use volgraph::{Camera, Session};
+use volgraph::Session;
+use volgraph::methods::{middle, turned};
 use volgraph_gpu::Gpu;
 use volgraph_measure::timing::Summary;
 
@@ -69,25 +69,4 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
         ));
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// A camera that has gone so many degrees around a target, about its own up direction.
-pub(super) fn turned(camera: &Camera, target: DVec3, degrees: f64) -> Camera {
-    let turn = DQuat::from_axis_angle(camera.up, degrees.to_radians());
-    let mut turned = *camera;
-    turned.eye = target + turn * (camera.eye - target);
-    turned.right = turn * camera.right;
-    turned.forward = turn * camera.forward;
-    turned
-}
-
-/// The middle of everything drawn, around which the camera turns.
-pub(super) fn middle(session: &Session) -> DVec3 {
-    let corners = session.plan().corners();
-    let sum: DVec3 = corners.iter().sum();
-    if corners.is_empty() {
-        sum
-    } else {
-        sum / corners.len() as f64
-    }
 }

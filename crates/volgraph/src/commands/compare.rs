@@ -8,7 +8,7 @@ use serde_json::json;
 use volgraph::{Finding, Findings, Picture, Place};
 use volgraph_measure::{Comparison, ScalarDifference, compare};
 
-use super::errors;
+use super::{errors, verify};
 use crate::args::CompareArgs;
 use crate::output;
 
@@ -16,7 +16,15 @@ pub fn run(args: &CompareArgs) -> anyhow::Result<ExitCode> {
     let mut findings = Findings::new();
     let mut load =
         |path: &Path| findings.take(Picture::load(path).map_err(|e| errors::of_picture(&e, path)));
-    let (Some(a), Some(b)) = (load(&args.a), load(&args.b)) else {
+    let a = load(&args.a);
+    // A file of that name is a picture all the same.
+    let is_reference = args.b == Path::new("reference") && !args.b.exists();
+    let b = match &a {
+        Some(a) if is_reference => Some(verify::recorded_truth(a, &args.a)?),
+        _ if is_reference => None,
+        _ => load(&args.b),
+    };
+    let (Some(a), Some(b)) = (a, b) else {
         return Err(findings.into());
     };
     let comparison = compare(&a, &b)

@@ -12,6 +12,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use serde::Serialize;
+use volgraph::methods::{middle, turned};
 use volgraph::{
     Finding, Findings, Place, ReadyGraph, Scene, Session, embedded, ready_graphs, registry,
 };
@@ -20,7 +21,6 @@ use volgraph_measure::timing::Summary;
 use volgraph_picture::SaveOptions;
 use volgraph_report::did_you_mean;
 
-use super::bench::{middle, turned};
 use super::nodes::first_sentence;
 use super::{errors, session_options, tell_warnings};
 use crate::args::GalleryArgs;

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use serde_json::json;
+use volgraph::quality::{Chosen, achieved};
 use volgraph::truth::plan_without_device;
 use volgraph::{Findings, Picture, Scene, Session, Truth, TruthOptions, list_adapters, metadata};
 use volgraph_gpu::{Gpu, GpuError};
@@ -48,6 +49,8 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
         ));
     }
     output::report_warnings(&report.hazards);
+    let chosen = session.chosen();
+    let achieved = chosen.and_then(|_| achieved(session.plan(), session.view(), &picture));
     if args.json {
         output::print_json(&json!({
             "output": args.output.display().to_string(),
@@ -58,6 +61,8 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
             "total_ms": milliseconds(start.elapsed()),
             "nan_pixels": saved.nan_pixels,
             "clipped_pixels": saved.clipped_pixels,
+            "quality": chosen,
+            "achieved": achieved.map(|(rmse, pixels)| json!({ "rmse": rmse, "pixels": pixels })),
             "frame": report,
         }));
     } else {
@@ -69,8 +74,27 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
             milliseconds(start.elapsed()),
             session.adapter()
         ));
+        if let Some(chosen) = chosen {
+            output::print(&quality(chosen, achieved));
+        }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// What was chosen for the graph's budget, and what came of it.
+fn quality(chosen: &Chosen, achieved: Option<(f64, usize)>) -> String {
+    let achieved = match achieved {
+        Some((rmse, pixels)) => format!("achieved rmse {rmse:.2e} on {pixels} pixels"),
+        None => {
+            "what was achieved is not known: the reference does not compute this graph".to_owned()
+        }
+    };
+    let kept = if chosen.is_kept {
+        " (chosen before)"
+    } else {
+        ""
+    };
+    format!("{chosen}{kept}; {achieved}")
 }
 
 fn milliseconds(duration: Duration) -> f64 {

@@ -5,6 +5,7 @@
 //! A change that is refused is given a moment: many editors save in two steps, and the second may mend what the first
 //! left half done. Only then is the diagnostic shown, once. A picture that cannot be saved is kept until it can.
 
+mod against;
 mod exec;
 mod tell;
 
@@ -14,8 +15,8 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use volgraph::{
-    Change, ChangedFile, Dependencies, Drawn, Finding, Findings, Outcome, Picture, Place, Session,
-    embedded, registry,
+    Change, ChangedFile, Dependencies, Drawn, Findings, Outcome, Picture, Session, TruthOptions,
+    embedded, registry, verify::integral_truth,
 };
 use volgraph_graph::is_embedded;
 use volgraph_picture::SaveOptions;
@@ -24,6 +25,7 @@ use volgraph_watch::{FileWatch, WatchOptions};
 use self::exec::Exec;
 use self::tell::Teller;
 use super::errors;
+use super::reference::Rows;
 use crate::args::WatchArgs;
 use crate::output;
 use crate::progress::Bars;
@@ -42,8 +44,11 @@ const TICK: Duration = Duration::from_millis(50);
 
 pub fn run(args: &WatchArgs) -> anyhow::Result<ExitCode> {
     super::check_output(&args.output)?;
-    let compared = args.against.as_deref().map(|file| against(args, file));
-    let compared = compared.transpose()?;
+    let is_reference = against::is_reference(args);
+    let compared = args.against.as_deref().filter(|_| !is_reference);
+    let compared = compared
+        .map(|file| against::picture(args, file))
+        .transpose()?;
     let mut watch = FileWatch::new(WatchOptions {
         poll: args.poll.map(Duration::from_millis),
         ..WatchOptions::default()
@@ -51,6 +56,7 @@ pub fn run(args: &WatchArgs) -> anyhow::Result<ExitCode> {
     let mut watcher = Watcher {
         args,
         teller: Teller::new(args, compared),
+        is_reference,
         exec: args.exec.clone().map(|line| Exec::new(line, args.json)),
         session: None,
         told: None,
@@ -69,25 +75,6 @@ pub fn run(args: &WatchArgs) -> anyhow::Result<ExitCode> {
     }
 }
 
-/// The picture that pictures are compared with.
-fn against(args: &WatchArgs, file: &Path) -> Result<Picture, Findings> {
-    super::check_overwrites(&args.output, [file])?;
-    let picture = Picture::load(file).map_err(|error| errors::of_picture(&error, file))?;
-    let size = args.scene.size;
-    if [picture.width, picture.height] == size {
-        return Ok(picture);
-    }
-    let (width, height) = (picture.width, picture.height);
-    let message = format!(
-        "it has {width}x{height} pixels, and the pictures to compare with it {}x{}",
-        size[0], size[1]
-    );
-    Err(Finding::error("picture-sizes", message)
-        .at(Place::whole_file(file))
-        .help(format!("add `--size {width}x{height}`"))
-        .into())
-}
-
 struct Changes {
     paths: BTreeSet<PathBuf>,
     since: Instant,
@@ -104,6 +91,8 @@ struct Unsaved {
 struct Watcher<'a> {
     args: &'a WatchArgs,
     teller: Teller<'a>,
+    /// Whether pictures are compared with their truth.
+    is_reference: bool,
     exec: Option<Exec>,
     session: Option<Session>,
     /// The findings that were told last, until there is a picture of what the files say.
@@ -310,6 +299,7 @@ impl Watcher<'_> {
         }
         self.count += 1;
         let now = Instant::now();
+        self.look_up_truth();
         let saved = tell::Saved {
             picture: &picture,
             number: self.count,
@@ -322,6 +312,19 @@ impl Watcher<'_> {
             exec.start(output, self.count);
         }
         Ok(())
+    }
+
+    /// Hands the truth of what is drawn to the teller: computed once for a scene and view, whatever the shaders do.
+    fn look_up_truth(&mut self) {
+        let Some(session) = self.session.as_ref().filter(|_| self.is_reference) else {
+            return;
+        };
+        let bars = Bars::new();
+        let options = TruthOptions::default();
+        let truth = integral_truth(session.scene(), session.view(), &[], &options, &Rows(&bars));
+        bars.clear();
+        let picture = truth.and_then(|truth| truth.picture());
+        self.teller.hold_against(picture);
     }
 
     /// Waits for a change, and looks meanwhile after the command that runs and the picture that is not saved.

@@ -18,9 +18,10 @@ use volgraph_report::{Finding, Findings, Place, Severity};
 use volgraph_shader::{DiskFiles, Linked, SnapshotFiles};
 
 use super::change::{Change, ChangeReport, ChangedFile, Drawn, Outcome, Refused, ms};
-use super::{Session, Stance, State, picture};
+use super::{Session, Stance, State, picture, settle};
 use crate::dependencies::Dependencies;
 use crate::overrides::{Overrides, ParamOverride};
+use crate::quality::Chosen;
 use crate::scene::{Scene, SourceProgress, read_text};
 
 /// What was tried: a new state with its picture, or `None` where it would be the old one.
@@ -34,6 +35,7 @@ struct Planned {
     plan: Arc<Plan>,
     stance: Stance,
     view: View,
+    chosen: Option<Chosen>,
     wanted: Overrides,
 }
 
@@ -164,6 +166,7 @@ impl Session {
             installation,
             stance: planned.stance,
             view: planned.view,
+            chosen: planned.chosen,
             is_proven: true,
         };
         Ok(Some((state, picture, planned.wanted)))
@@ -203,6 +206,9 @@ impl Session {
         report.stages.read_ms = clock.lap();
         let mut scene = scene?;
         scene.check_color_output()?;
+        let gpu = Arc::clone(self.runner.gpu());
+        let chosen;
+        (scene, chosen) = settle(scene, &gpu, &self.options, old.chosen.as_ref())?;
         let shaders = old
             .shaders
             .with_roots(scene.shader_roots(Arc::new(snapshot.clone())));
@@ -262,6 +268,7 @@ impl Session {
             plan,
             stance,
             view,
+            chosen,
             wanted,
         }))
     }

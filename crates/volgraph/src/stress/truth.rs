@@ -89,19 +89,33 @@ fn first_crossing(field: &Field, ray: &Ray, level: f64) -> f64 {
         ..*ray
     };
     let mut found = f64::INFINITY;
-    field.walk(&inner, (0.0, far - near), |cubic| {
-        let (turns, count) = cubic.turns();
-        if cubic.at(0.0) >= level {
-            found = near + cubic.start;
+    field.walk(&inner, (0.0, far - near), false, |curve| {
+        if curve.at(0.0) >= level {
+            found = near + curve.start;
             return true;
         }
-        for pair in turns[..count].windows(2) {
-            if cubic.at(pair[1]) >= level {
-                found = near + cubic.distance(cubic.solve(pair[0], pair[1], level));
+        let mut low = 0.0;
+        for high in curve.turns().as_slice().iter().copied().chain([1.0]) {
+            if curve.at(high) >= level {
+                found = near + curve.distance(rise(|w| curve.at(w) - level, low, high));
                 return true;
             }
+            low = high;
         }
         false
     });
     found
+}
+
+/// Where a function that is below 0 at `low` and not at `high`, and rises in between, is 0: halved to the last bit.
+fn rise(of: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if of(middle) < 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
 }

@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod breaks;
+mod chart;
 mod commands;
 mod gallery;
 mod link;
@@ -11,6 +12,7 @@ mod new;
 mod planted;
 mod reference;
 mod stress;
+mod verify;
 mod watch;
 
 use std::path::{Path, PathBuf};

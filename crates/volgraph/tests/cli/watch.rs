@@ -2,6 +2,7 @@
 //! becomes what a fresh `volgraph render` makes of the same files, bit for bit (EXR: f32 colour, opacity, depth).
 
 mod hazards;
+mod truth;
 
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -161,6 +162,8 @@ impl Watch {
             .args(["watch", graph, "-o", "out.exr", "--size", "40x30"])
             .args(more)
             .current_dir(folder)
+            // No truth is kept: each test's own folder is watched.
+            .env("VOLGRAPH_CACHE", "")
             .env_remove("VOLGRAPH_SHADERS")
             .env_remove("VOLGRAPH_DATA")
             .env_remove("VOLGRAPH_ADAPTER")

@@ -1,4 +1,4 @@
-//! Fields of a line or two: the Marschner–Lobb signal, sphere, torus, gyroid, ramp, constant.
+//! Fields of a line or two: the Marschner–Lobb signal, sphere, torus, gyroid, ramp, trilinear, constant.
 
 use std::f64::consts::PI;
 
@@ -138,6 +138,38 @@ impl Ramp {
 
     pub(super) fn value(&self, p: DVec3) -> f64 {
         0.5 + self.gradient.dot(p)
+    }
+}
+
+/// Trilinear between values at the corners of the cube `[-1, 1]³`: what a renderer makes of one cell of a grid. Along any
+/// line it is a cubic without kinks, so it limits no order of convergence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trilinear {
+    /// The values; bit 0 of the place is x, bit 1 y, bit 2 z.
+    pub corners: [f64; 8],
+}
+
+impl Trilinear {
+    pub(super) fn value(&self, p: DVec3) -> f64 {
+        let [x, y, z] = (p * 0.5 + 0.5).to_array();
+        self.weighted([1.0 - x, x], [1.0 - y, y], [1.0 - z, z])
+    }
+
+    pub(super) fn gradient(&self, p: DVec3) -> DVec3 {
+        let [x, y, z] = (p * 0.5 + 0.5).to_array();
+        let slope = [-0.5, 0.5];
+        DVec3::new(
+            self.weighted(slope, [1.0 - y, y], [1.0 - z, z]),
+            self.weighted([1.0 - x, x], slope, [1.0 - z, z]),
+            self.weighted([1.0 - x, x], [1.0 - y, y], slope),
+        )
+    }
+
+    fn weighted(&self, x: [f64; 2], y: [f64; 2], z: [f64; 2]) -> f64 {
+        let corners = self.corners.iter().enumerate();
+        corners
+            .map(|(i, value)| value * x[i & 1] * y[i >> 1 & 1] * z[i >> 2])
+            .sum()
     }
 }
 

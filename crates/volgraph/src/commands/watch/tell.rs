@@ -19,6 +19,8 @@ pub struct Teller<'a> {
     args: &'a WatchArgs,
     /// What pictures are compared with: that of `--against`, else the last one.
     compared: Option<Picture>,
+    /// Why there is no truth to compare with, as it was told.
+    no_truth: Option<Findings>,
     /// What was told of the watching last.
     backend: Option<String>,
 }
@@ -42,6 +44,7 @@ impl<'a> Teller<'a> {
         Self {
             args,
             compared,
+            no_truth: None,
             backend: None,
         }
     }
@@ -226,6 +229,23 @@ impl<'a> Teller<'a> {
             let still = if is_new { "" } else { "refused as before; " };
             let output = self.args.output.display();
             output::print(&format!("   {still}{output} stays as it was"));
+        }
+    }
+
+    /// The truth of what is drawn, that pictures are compared with; why there is none is told once.
+    pub fn hold_against(&mut self, truth: Result<Picture, Findings>) {
+        match truth {
+            Ok(truth) => {
+                self.compared = Some(truth);
+                self.no_truth = None;
+            }
+            Err(findings) => {
+                self.compared = None;
+                if self.no_truth.as_ref() != Some(&findings) {
+                    output::report(&findings);
+                }
+                self.no_truth = Some(findings);
+            }
         }
     }
 

@@ -1,0 +1,342 @@
+//! The chart: error over time, both logarithmic, as SVG that follows the reader's light or dark colours.
+//!
+//! Ink and grid are drawn in two colours that nothing else has, and replaced by what the style sheet at the top says.
+
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use volgraph::{Finding, Findings};
+
+use super::exhibit::{Exhibit, Metric};
+
+/// Width and height in SVG units.
+pub const SIZE: (u32, u32) = (980, 640);
+
+const INK: RGBColor = RGBColor(1, 1, 1);
+const GRID: RGBColor = RGBColor(2, 2, 2);
+
+/// Colours that are told apart in light and dark and by the colour-blind (Okabe and Ito 2008, and two more).
+const COLORS: [RGBColor; 8] = [
+    RGBColor(0x2f, 0x86, 0xc8),
+    RGBColor(0xd5, 0x5e, 0x00),
+    RGBColor(0x00, 0x9e, 0x73),
+    RGBColor(0xcc, 0x79, 0xa7),
+    RGBColor(0xe6, 0x9f, 0x00),
+    RGBColor(0x8a, 0x6f, 0xdf),
+    RGBColor(0x56, 0xb4, 0xe9),
+    RGBColor(0x99, 0x99, 0x33),
+];
+
+const STYLE: &str = "<style>
+svg { color: #1b1f24; --grid: #dde1e6; background: #ffffff; font-family: system-ui, sans-serif; }
+@media (prefers-color-scheme: dark) { svg { color: #d8dce0; --grid: #353a41; background: #191c20; } }
+text { font-family: system-ui, sans-serif; stroke: none; }
+</style>
+";
+
+/// A chart.
+pub struct Plot {
+    /// The drawing.
+    pub svg: String,
+    /// Where each measurement is in it.
+    pub places: Vec<(i32, i32)>,
+    /// The axis that colours stand for, and its values with their colours as CSS writes them.
+    pub colors: (String, Vec<(String, String)>),
+}
+
+/// An axis of tens, with its own places for lines and numbers.
+#[derive(Clone)]
+struct Decades {
+    low: f64,
+    high: f64,
+}
+
+impl Decades {
+    /// Around these values, with so much room at both ends as a part of the whole.
+    fn around(values: impl Iterator<Item = f64>, room: (f64, f64)) -> Self {
+        let (low, high) = values
+            .filter(|value| *value > 0.0 && value.is_finite())
+            .fold((f64::INFINITY, 0.0_f64), |(low, high), value| {
+                (low.min(value), high.max(value))
+            });
+        let (low, high) = if low <= high { (low, high) } else { (1.0, 1.0) };
+        // At least a factor of three is seen.
+        let span = (high / low).log10().max(0.5);
+        let middle = 0.5 * (high * low).log10();
+        let (from, to) = (middle - 0.5 * span, middle + 0.5 * span);
+        Self {
+            low: 10_f64.powf(from - room.0 * span),
+            high: 10_f64.powf(to + room.1 * span),
+        }
+    }
+}
+
+impl Ranged for Decades {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (from, to): (i32, i32)) -> i32 {
+        let value = value.max(self.low);
+        let part = (value / self.low).log10() / (self.high / self.low).log10();
+        #[expect(clippy::cast_possible_truncation, reason = "pixels")]
+        let at = (f64::from(to - from) * part).round() as i32;
+        from + at
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, _hint: Hint) -> Vec<f64> {
+        let decades = (self.high / self.low).log10();
+        let parts: &[f64] = if decades < 2.2 {
+            &[1.0, 2.0, 5.0]
+        } else {
+            &[1.0]
+        };
+        #[expect(clippy::cast_possible_truncation, reason = "exponents are small")]
+        let (first, last) = (
+            self.low.log10().floor() as i32,
+            self.high.log10().ceil() as i32,
+        );
+        let points = (first..=last)
+            .flat_map(|exponent| parts.iter().map(move |part| part * 10_f64.powi(exponent)));
+        points
+            .filter(|point| (self.low..=self.high).contains(point))
+            .collect()
+    }
+
+    fn range(&self) -> std::ops::Range<f64> {
+        self.low..self.high
+    }
+}
+
+impl ValueFormatter<f64> for Decades {
+    fn format(value: &f64) -> String {
+        if (0.01..10_000.0).contains(value) {
+            format!("{}", (value * 1e6).round() / 1e6)
+        } else {
+            format!("{value:.0e}")
+        }
+    }
+}
+
+/// Draws the chart of an exhibit.
+pub fn draw(exhibit: &Exhibit) -> Result<Plot, Findings> {
+    plotted(exhibit).map_err(|error| Finding::error("chart", error.to_string()).into())
+}
+
+fn plotted(exhibit: &Exhibit) -> Result<Plot, Box<dyn std::error::Error>> {
+    let metric = exhibit.metric();
+    let measured = &exhibit.survey.measured;
+    let front = exhibit.front();
+    let errors = measured.iter().map(|it| metric.of(it));
+    let rounded = measured.iter().map(|it| metric.of_rounded(it));
+    let rounded = rounded.filter(|_| metric == Metric::CoreSteps);
+    let peers = exhibit.peers.iter().map(|peer| peer.core_rmse_8bit_steps);
+    let times = measured.iter().map(|it| it.steady_ms);
+    let peer_times = exhibit.peers.iter().map(|peer| peer.median_ms);
+    // Labels are left of the front, and right of peers.
+    let right = if exhibit.peers.is_empty() { 0.08 } else { 0.24 };
+    let x = Decades::around(times.chain(peer_times), (0.24, right));
+    let y = Decades::around(errors.chain(rounded).chain(peers), (0.12, 0.07));
+    let (group, colors) = groups(exhibit);
+
+    let mut svg = String::new();
+    let places = {
+        let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        let mut chart = ChartBuilder::on(&area)
+            .margin(16)
+            .x_label_area_size(48)
+            .y_label_area_size(76)
+            .build_cartesian_2d(x, y)?;
+        let title = match metric {
+            Metric::Rmse => "root mean squared error (linear, 1 is white)",
+            Metric::CoreSteps => "root mean squared error of core pixels (8-bit steps)",
+        };
+        let text = ("sans-serif", 15).into_font().color(&INK);
+        chart
+            .configure_mesh()
+            .axis_style(INK.stroke_width(1))
+            .bold_line_style(GRID.stroke_width(1))
+            .light_line_style(TRANSPARENT)
+            .x_desc("milliseconds per frame, read back")
+            .y_desc(title)
+            .label_style(text.clone())
+            .axis_desc_style(text.clone())
+            .draw()?;
+        let at = |i: usize| (measured[i].steady_ms, metric.of(&measured[i]));
+        let color = |i: usize| {
+            let value = measured[i].method.text(&group);
+            let known = colors.iter().position(|known| *known == value);
+            COLORS[known.unwrap_or(0) % COLORS.len()]
+        };
+        if metric == Metric::CoreSteps {
+            // The same methods with pictures rounded to 8 bits: a thin line up from each of the front.
+            for i in &front {
+                let (time, error) = at(*i);
+                let high = metric.of_rounded(&measured[*i]);
+                chart.draw_series([PathElement::new(
+                    vec![(time, error), (time, high)],
+                    color(*i).mix(0.7).stroke_width(1),
+                )])?;
+                chart.draw_series([Circle::new((time, high), 4, color(*i).stroke_width(2))])?;
+            }
+        }
+        chart.draw_series([PathElement::new(
+            front.iter().map(|i| at(*i)).collect::<Vec<_>>(),
+            INK.mix(0.45).stroke_width(1),
+        )])?;
+        for i in (0..measured.len()).filter(|i| !front.contains(i)) {
+            chart.draw_series([Circle::new(at(i), 4, color(i).mix(0.6).filled())])?;
+        }
+        for i in &front {
+            chart.draw_series([Circle::new(at(*i), 6, color(*i).filled())])?;
+        }
+        if !measured.is_empty() {
+            chart.draw_series([Circle::new(at(0), 10, INK.stroke_width(1))])?;
+        }
+        let peer_at = |i: usize| {
+            let peer = &exhibit.peers[i];
+            (peer.median_ms, peer.core_rmse_8bit_steps)
+        };
+        for i in 0..exhibit.peers.len() {
+            chart.draw_series([Cross::new(peer_at(i), 6, INK.stroke_width(2))])?;
+        }
+        let places: Vec<(i32, i32)> = (0..measured.len())
+            .map(|i| chart.backend_coord(&at(i)))
+            .collect();
+        let peer_places: Vec<(i32, i32)> = (0..exhibit.peers.len())
+            .map(|i| chart.backend_coord(&peer_at(i)))
+            .collect();
+        // Labels last, over everything, where there is room.
+        let mut labels = Labels::default();
+        for place in places.iter().enumerate().filter(|(i, _)| front.contains(i)) {
+            labels.keep(*place.1, 7);
+        }
+        let small = ("sans-serif", 13).into_font().color(&INK);
+        let axes = labelled_axes(exhibit, &front);
+        for i in &front {
+            let label = exhibit.label(&measured[*i], &axes);
+            if let Some(place) = labels.place(&label, places[*i], HPos::Right) {
+                let style = small.pos(Pos::new(HPos::Right, VPos::Center));
+                area.draw_text(&label, &style, place)?;
+            }
+        }
+        for (i, peer) in exhibit.peers.iter().enumerate() {
+            let label = format!("{} · {}", peer.name, peer.step);
+            if let Some(place) = labels.place(&label, peer_places[i], HPos::Left) {
+                let style = small.pos(Pos::new(HPos::Left, VPos::Center));
+                area.draw_text(&label, &style, place)?;
+            }
+        }
+        area.present()?;
+        places
+    };
+    let svg = svg
+        .replace("\"#010101\"", "\"currentColor\"")
+        .replace("\"#020202\"", "\"var(--grid)\"");
+    let svg = svg.replacen('>', &format!(">\n{STYLE}"), 1);
+    let legend = colors.iter().enumerate().map(|(i, value)| {
+        let RGBColor(r, g, b) = COLORS[i % COLORS.len()];
+        (value.clone(), format!("#{r:02x}{g:02x}{b:02x}"))
+    });
+    Ok(Plot {
+        svg,
+        places,
+        colors: (group, legend.collect()),
+    })
+}
+
+/// The axis that colours stand for, and its values: the classification, or else the first that varies.
+fn groups(exhibit: &Exhibit) -> (String, Vec<String>) {
+    let varied = exhibit.varied();
+    let group = ["classify"]
+        .into_iter()
+        .find(|name| varied.contains(name))
+        .or(varied.first().copied())
+        .unwrap_or("classify");
+    let axis = exhibit.space.axes.iter().find(|axis| axis.name == group);
+    let values = axis.map(|axis| axis.values.iter().map(ToString::to_string).collect());
+    (group.to_owned(), values.unwrap_or_default())
+}
+
+/// The axes on which methods of the front differ.
+fn labelled_axes<'e>(exhibit: &'e Exhibit, front: &[usize]) -> Vec<&'e str> {
+    let value = |i: &usize, axis: &str| exhibit.survey.measured[*i].method.text(axis);
+    let mut axes = exhibit.varied();
+    axes.retain(|axis| {
+        let first = front.first().map(|i| value(i, axis));
+        front.iter().any(|i| Some(value(i, axis)) != first)
+    });
+    axes
+}
+
+/// Labels that are placed: their left, top, right and bottom.
+#[derive(Default)]
+struct Labels(Vec<[i32; 4]>);
+
+impl Labels {
+    /// Keeps labels off a point.
+    fn keep(&mut self, (x, y): (i32, i32), radius: i32) {
+        self.0
+            .push([x - radius, y - radius, x + radius, y + radius]);
+    }
+
+    /// Where a label of the point goes: beside it, or a little higher or lower; nowhere where all of that is taken.
+    fn place(&mut self, label: &str, (x, y): (i32, i32), side: HPos) -> Option<(i32, i32)> {
+        let width = i32::try_from(label.chars().count()).ok()? * 7;
+        for shift in [0, 10, -10, 16, 24, -18, 32] {
+            let (at, left) = match side {
+                HPos::Right => (x - 11, x - 11 - width),
+                _ => (x + 11, x + 11),
+            };
+            let place = [left, y + shift - 7, left + width, y + shift + 7];
+            let is_free = self.0.iter().all(|other| {
+                place[0] >= other[2]
+                    || place[2] <= other[0]
+                    || place[1] >= other[3]
+                    || place[3] <= other[1]
+            });
+            if is_free {
+                self.0.push(place);
+                return Some((at, y + shift));
+            }
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decades_map_and_mark_evenly() {
+        let axis = Decades {
+            low: 1e-4,
+            high: 1.0,
+        };
+        assert_eq!(
+            [1e-4, 1e-3, 1e-2, 0.1, 1.0, 0.0].map(|value| axis.map(&value, (0, 400))),
+            [0, 100, 200, 300, 400, 0]
+        );
+        let marks = axis.key_points(plotters::coord::ranged1d::BoldPoints(10));
+        assert_eq!(marks.len(), 5);
+        let shown: Vec<String> = marks.iter().map(Decades::format).collect();
+        assert_eq!(shown, ["1e-4", "1e-3", "0.01", "0.1", "1"]);
+        // One value, and none that can be drawn.
+        for values in [vec![3.0], vec![0.0], vec![]] {
+            let axis = Decades::around(values.into_iter(), (0.1, 0.1));
+            assert!(axis.low < axis.high && axis.low > 0.0);
+        }
+    }
+
+    #[test]
+    fn labels_do_not_cover_each_other() {
+        let mut labels = Labels::default();
+        let first = labels.place("abcdef", (100, 100), HPos::Right).unwrap();
+        let second = labels.place("abcdef", (102, 101), HPos::Right).unwrap();
+        assert_eq!(first, (89, 100));
+        assert!((second.1 - first.1).abs() >= 14);
+        // In the end there is no room.
+        let placed = (0..20).filter(|_| labels.place("abcdef", (100, 100), HPos::Right).is_some());
+        assert!(placed.count() < 10);
+    }
+}

@@ -1,0 +1,243 @@
+//! What a raycast's slots and parameters offer, and which of it makes the same picture in another way.
+//!
+//! Choices come from the folders of shaders and from the parameters' own documentation, so that a new choice is compared
+//! as soon as its file is there. Which settings only approximate, and which make another picture, nothing can tell but a
+//! list: [`METHOD_SLOTS`], [`METHOD_CHOICES`] and [`METHOD_NUMBERS`]. A filter may add any other setting of the node.
+
+use std::path::Path;
+
+use naga::valid::Capabilities;
+use volgraph_graph::{Node, Plan, Registry, ResourceKind};
+use volgraph_report::{Finding, Place, did_you_mean, list_names};
+use volgraph_shader::{ParamSpec, ParamType, ParamValue, ShaderRoots, check_file};
+
+use super::filter::{Filter, Wanted};
+use super::space::Axis;
+
+/// Slots whose choices approximate one picture.
+const METHOD_SLOTS: [&str; 5] = [
+    "classify",
+    "traverse",
+    "reconstruct",
+    "gradient",
+    "gradient_storage",
+];
+
+/// Parameters with choices that approximate one picture.
+const METHOD_CHOICES: [&str; 2] = ["volume_storage", "stage"];
+
+/// Numbers that do, and the multiples of the default that are compared.
+const METHOD_NUMBERS: [(&str, &[f64]); 2] = [
+    ("step", &[0.25, 0.5, 1.0, 2.0, 4.0]),
+    ("early_termination", &[0.0, 1.0, 16.0]),
+];
+
+/// A choice that only picks one of the others.
+const AUTO: &str = "auto";
+
+/// The parameters of choices that the plan does not use, which a filter may name.
+pub(super) fn specs_of_choices(
+    roots: &ShaderRoots,
+    registry: &Registry,
+    known: &[ParamSpec],
+) -> Vec<ParamSpec> {
+    let defaults = registry.default_slots();
+    let mut found: Vec<ParamSpec> = Vec::new();
+    for slot in METHOD_SLOTS {
+        for choice in roots.choices(slot) {
+            let path = Path::new("slot").join(slot).join(format!("{choice}.wgsl"));
+            // A shader with findings is refused where it is used.
+            let Ok(module) = check_file(roots, &path, &defaults, Capabilities::default()) else {
+                continue;
+            };
+            for spec in module.params() {
+                let is_named = |other: &ParamSpec| other.name == spec.name;
+                if !known.iter().any(is_named) && !found.iter().any(is_named) {
+                    found.push(spec.clone());
+                }
+            }
+        }
+    }
+    found
+}
+
+/// What a node offers.
+pub(super) struct Offered<'p> {
+    pub plan: &'p Plan,
+    pub node: &'p Node,
+    pub roots: &'p ShaderRoots,
+    pub specs: Vec<ParamSpec>,
+}
+
+impl Offered<'_> {
+    pub fn axes(&self) -> Vec<Axis> {
+        let slots = METHOD_SLOTS.iter().filter(|slot| self.uses(slot));
+        let slots = slots.map(|slot| (*slot, true, self.choices(slot)));
+        let choices = METHOD_CHOICES.iter().filter_map(|name| {
+            let values = choices(self.spec(name)?);
+            Some((*name, false, values))
+        });
+        let numbers = METHOD_NUMBERS.iter().filter_map(|(name, multiples)| {
+            let values = self.numbers(self.spec(name)?, multiples);
+            Some((*name, false, values))
+        });
+        let axes = slots.chain(choices).chain(numbers);
+        axes.filter(|(_, _, values)| !values.is_empty())
+            .map(|(name, is_slot, values)| Axis {
+                name: name.to_owned(),
+                is_slot,
+                values,
+                base: 0,
+            })
+            .collect()
+    }
+
+    fn uses(&self, slot: &str) -> bool {
+        let program = self.node.program.as_ref();
+        program.is_some_and(|program| program.module.linked.slots_used.contains_key(slot))
+    }
+
+    pub fn is_slot(&self, name: &str) -> bool {
+        self.node.slots.contains_key(name)
+    }
+
+    fn spec(&self, name: &str) -> Option<&ParamSpec> {
+        self.specs.iter().find(|spec| spec.name == name)
+    }
+
+    /// The graph's own choice or value.
+    pub fn own(&self, name: &str, is_slot: bool) -> Option<ParamValue> {
+        if is_slot {
+            let own = self.node.slots.get(name)?;
+            return Some(ParamValue::Text(own.choice.clone()));
+        }
+        match self.node.params.get(name)? {
+            ParamValue::Text(text) if text == AUTO => self.format(name).map(ParamValue::Text),
+            value => Some(value.clone()),
+        }
+    }
+
+    /// The storage that the plan chose where the graph leaves it open: the format of the texture that the parameter
+    /// `<what>_storage` is about.
+    fn format(&self, name: &str) -> Option<String> {
+        let texture = format!("{}_texture", name.strip_suffix("_storage")?);
+        let writer = self.node.inputs.get(&texture)?;
+        let written = (writer.node, writer.port.clone());
+        match self.plan.resources.get(&written)? {
+            ResourceKind::Texture { format, .. } => Some(format!("{format:?}").to_lowercase()),
+            ResourceKind::Buffer { .. } => None,
+        }
+    }
+
+    /// The choices of a slot, with the graph's own, which may be a file of the user's.
+    fn choices(&self, slot: &str) -> Vec<ParamValue> {
+        let choices = self.roots.choices(slot).into_iter().map(ParamValue::Text);
+        let mut values: Vec<ParamValue> = choices.collect();
+        add(&mut values, self.own(slot, true));
+        values
+    }
+
+    /// Multiples of a number's default inside its range, with the graph's own value, rising.
+    fn numbers(&self, spec: &ParamSpec, multiples: &[f64]) -> Vec<ParamValue> {
+        let ParamValue::Float(default) = spec.default else {
+            return Vec::new();
+        };
+        let mut values = Vec::new();
+        for multiple in multiples {
+            add(
+                &mut values,
+                spec.check(&ParamValue::Float(default * multiple)).ok(),
+            );
+        }
+        add(&mut values, self.own(&spec.name, false));
+        values.sort_by(|a, b| match (a, b) {
+            (ParamValue::Float(a), ParamValue::Float(b)) => a.total_cmp(b),
+            _ => std::cmp::Ordering::Equal,
+        });
+        values
+    }
+
+    /// What a filter wants.
+    pub fn values(&self, filter: &Filter) -> Result<Vec<ParamValue>, Finding> {
+        let place = || Place::whole_file(format!("--methods {}", filter.name));
+        let spec = self.spec(&filter.name);
+        if spec.is_none() && !self.is_slot(&filter.name) {
+            let slots = self.node.slots.keys().map(String::as_str);
+            let known = slots.chain(self.specs.iter().map(|spec| spec.name.as_str()));
+            let message = format!(
+                "the raycast `{}` has no slot or parameter `{}`",
+                self.node.name, filter.name
+            );
+            return Err(Finding::error("unknown-setting", message)
+                .at(place())
+                .help_opt(did_you_mean(&filter.name, known)));
+        }
+        let mut values = Vec::new();
+        for wanted in &filter.wanted {
+            let found = match (wanted, spec) {
+                (Wanted::All, None) => self.choices(&filter.name),
+                (Wanted::All, Some(spec)) => choices(spec),
+                (Wanted::Doubles(..), None) => Vec::new(),
+                (Wanted::Doubles(..), Some(spec)) => {
+                    let numbers = wanted.doubles().into_iter();
+                    numbers
+                        .map(|number| self.checked(spec, &number_of(spec, number)))
+                        .collect::<Result<_, _>>()?
+                }
+                (Wanted::Value(text), None) => vec![self.choice(&filter.name, text)?],
+                (Wanted::Value(text), Some(spec)) => vec![self.checked(spec, text)?],
+            };
+            if found.is_empty() {
+                let message = format!("`{}` has no such list of values", filter.name);
+                return Err(Finding::error("bad-methods", message)
+                    .at(place())
+                    .help("list its values, separated by commas"));
+            }
+            for value in found {
+                add(&mut values, Some(value));
+            }
+        }
+        Ok(values)
+    }
+
+    fn choice(&self, slot: &str, text: &str) -> Result<ParamValue, Finding> {
+        let choices = self.roots.choices(slot);
+        if text.ends_with(".wgsl") || choices.iter().any(|choice| choice == text) {
+            return Ok(ParamValue::Text(text.to_owned()));
+        }
+        let known = list_names(choices.iter().map(String::as_str));
+        let message = format!("the slot `{slot}` has no choice `{text}`");
+        Err(Finding::error("unknown-choice", message)
+            .at(Place::whole_file(format!("--methods {slot}")))
+            .help(format!("choose of: {known}")))
+    }
+
+    /// A value from a text, as `--set` would take it.
+    fn checked(&self, spec: &ParamSpec, text: &str) -> Result<ParamValue, Finding> {
+        spec.parse_cli(text).map_err(|why| {
+            Finding::error("bad-methods", format!("`{}` {why}", spec.name))
+                .at(Place::whole_file(format!("--methods {}={text}", spec.name)))
+        })
+    }
+}
+
+/// A number as it is written for a parameter of this type.
+fn number_of(spec: &ParamSpec, number: f64) -> String {
+    match spec.ty {
+        ParamType::Int | ParamType::Uint => format!("{number:.0}"),
+        _ => format!("{number:?}"),
+    }
+}
+
+/// The choices of a parameter that are methods of their own.
+fn choices(spec: &ParamSpec) -> Vec<ParamValue> {
+    let choices = spec.choices().iter().filter(|choice| *choice != AUTO);
+    choices.cloned().map(ParamValue::Text).collect()
+}
+
+/// Adds a value that is not there yet.
+fn add(values: &mut Vec<ParamValue>, value: Option<ParamValue>) {
+    if let Some(value) = value.filter(|value| !values.contains(value)) {
+        values.push(value);
+    }
+}

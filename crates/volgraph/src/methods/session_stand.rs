@@ -1,0 +1,135 @@
+//! Methods on a device: a session for each, with the sources and the device shared.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use glam::{DQuat, DVec3};
+use volgraph_gpu::Gpu;
+use volgraph_graph::Camera;
+use volgraph_picture::Picture;
+use volgraph_report::Findings;
+
+use super::accuracy::Errors;
+use super::measurement::Method;
+use super::stand::Stand;
+use super::yardstick::Yardstick;
+use crate::scene::{NoProgress, Scene};
+use crate::session::{Session, SessionOptions};
+
+/// Told each method's picture.
+pub type OnPicture<'a> = Box<dyn FnMut(&Method, &Picture, &Errors) -> Result<(), Findings> + 'a>;
+
+/// Draws a scene's raycast by methods. Frames turn the camera by one degree each about its up direction, so that none is
+/// remembered; a frame's time ends when its colours are in memory.
+pub struct SessionStand<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The device.
+    pub gpu: Arc<Gpu>,
+    /// How sessions are opened; the size of the yardstick's truth.
+    pub options: SessionOptions,
+    /// The raycast's name.
+    pub node: String,
+    /// What pictures are held against.
+    pub yardstick: &'a Yardstick,
+    /// Told each method's picture.
+    pub on_picture: OnPicture<'a>,
+    /// When the survey started.
+    pub started: Instant,
+}
+
+/// A method that is ready to draw.
+pub struct Ready {
+    session: Session,
+    camera: Camera,
+    target: DVec3,
+}
+
+impl Ready {
+    /// A session as it is.
+    #[must_use]
+    pub fn new(session: Session) -> Self {
+        let (camera, target) = (session.view().camera, middle(&session));
+        Self {
+            session,
+            camera,
+            target,
+        }
+    }
+}
+
+impl SessionStand<'_> {
+    /// A session that draws by a method.
+    ///
+    /// # Errors
+    /// What the scene, the kinds, the shaders or the device refuse of it.
+    pub fn session(&self, method: &Method) -> Result<Session, Findings> {
+        let mut overrides = self.scene.overrides.clone();
+        overrides.params.extend(method.overrides(&self.node));
+        let scene = self.scene.with_overrides(&overrides, &NoProgress)?;
+        let options = SessionOptions {
+            is_as_written: true,
+            ..self.options.clone()
+        };
+        Session::start(scene, Arc::clone(&self.gpu), &options)
+    }
+}
+
+impl Stand for SessionStand<'_> {
+    type Ready = Ready;
+
+    fn prepare(&mut self, method: &Method) -> Result<(Ready, Errors), Findings> {
+        let mut session = self.session(method)?;
+        let (picture, _) = session.render_checked()?;
+        let errors = self.yardstick.errors(&picture)?;
+        (self.on_picture)(method, &picture, &errors)?;
+        Ok((Ready::new(session), errors))
+    }
+
+    fn frame(&mut self, ready: &mut Ready, number: u32) -> Result<f64, Findings> {
+        let Ready {
+            session,
+            camera,
+            target,
+        } = ready;
+        session.place_camera(turned(camera, *target, f64::from(number)));
+        let start = Instant::now();
+        session.draw()?;
+        session.read("color")?;
+        Ok(start.elapsed().as_secs_f64() * 1e3)
+    }
+
+    fn bytes(&self, ready: &Ready) -> u64 {
+        let allocations = ready.session.plan().allocations.iter();
+        allocations
+            .map(|allocation| allocation.resource.bytes())
+            .sum()
+    }
+
+    fn seconds(&self) -> f64 {
+        self.started.elapsed().as_secs_f64()
+    }
+}
+
+/// A camera that has gone so many degrees around a target, about its own up direction.
+#[must_use]
+pub fn turned(camera: &Camera, target: DVec3, degrees: f64) -> Camera {
+    let turn = DQuat::from_axis_angle(camera.up, degrees.to_radians());
+    let mut turned = *camera;
+    turned.eye = target + turn * (camera.eye - target);
+    turned.right = turn * camera.right;
+    turned.forward = turn * camera.forward;
+    turned
+}
+
+/// The middle of everything drawn, around which the camera turns.
+#[must_use]
+pub fn middle(session: &Session) -> DVec3 {
+    let corners = session.plan().corners();
+    let sum: DVec3 = corners.iter().sum();
+    if corners.is_empty() {
+        sum
+    } else {
+        sum / corners.len() as f64
+    }
+}

@@ -1,0 +1,187 @@
+//! Model no more than a scene needs: the method that a graph's budget asks for.
+//!
+//! A graph that states `quality: budget(rmse: 0.002)` or `budget(time_ms: 40)` leaves the method of its raycast to
+//! volgraph. [`choose`] draws small views by each way to classify, finds the longest step that keeps the error against
+//! the float64 reference ([`calibrate`]), times what is left at the picture's own size, and takes the fastest; or, in a
+//! given time, the most accurate. What is chosen is kept on disk under the digest of all that it depends on, the adapter
+//! included. What the user sets by name (`--set`) is held as it is. [`achieved`] says how wrong a picture then is, by the
+//! reference of a sample of its pixels.
+
+mod calibrate;
+mod keep;
+
+use std::fmt;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use serde::Serialize;
+use volgraph_gpu::Gpu;
+use volgraph_graph::{Budget, Plan, View};
+use volgraph_nodes::reference::raycast_scene;
+use volgraph_picture::Picture;
+use volgraph_report::Findings;
+
+use crate::methods::{Method, TruthKind, raycast_node};
+use crate::scene::Scene;
+use crate::session::SessionOptions;
+use crate::truth::default_cache;
+
+/// What was chosen for a budget.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Chosen {
+    /// The budget.
+    pub budget: Budget,
+    /// The raycast's name.
+    pub node: String,
+    /// Its settings.
+    pub method: Method,
+    /// The error that the small views had: the largest root mean square of linear premultiplied colours of three views.
+    pub predicted_rmse: f64,
+    /// The median time of a frame of the picture's size, in milliseconds, when it was chosen.
+    pub predicted_ms: f64,
+    /// Whether the budget can be kept; where it cannot, this is what comes nearest.
+    pub is_met: bool,
+    /// What the small views were held against.
+    pub truth: TruthKind,
+    /// Methods that were drawn.
+    pub tried: usize,
+    /// Whether it was chosen before and kept.
+    pub is_kept: bool,
+}
+
+impl fmt::Display for Chosen {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.budget {
+            Budget::Rmse(rmse) => write!(f, "budget of rmse {rmse}: ")?,
+            Budget::TimeMs(time) => write!(f, "budget of {time} ms: ")?,
+        }
+        let unmet = if self.is_met {
+            ""
+        } else {
+            " (the nearest there is)"
+        };
+        write!(
+            f,
+            "{}{unmet}; predicted rmse {:.2e} in {:.1} ms",
+            self.method, self.predicted_rmse, self.predicted_ms
+        )
+    }
+}
+
+/// Where choices are looked for before they are made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct QualityOptions {
+    /// The folder of what can be made again; nothing is kept where it is `None`.
+    pub cache: Option<PathBuf>,
+}
+
+impl Default for QualityOptions {
+    fn default() -> Self {
+        Self {
+            cache: default_cache(),
+        }
+    }
+}
+
+/// Chooses the method that a scene's budget asks for; `None` where it states none, or all that could be chosen is set by
+/// name.
+///
+/// # Errors
+/// What is wrong with the scene; `no-raycast` where its picture is none of a raycast.
+pub fn choose(
+    scene: &Scene,
+    gpu: &Arc<Gpu>,
+    options: &SessionOptions,
+    quality: &QualityOptions,
+) -> Result<Option<Chosen>, Findings> {
+    let Some(desc) = &scene.desc.quality else {
+        return Ok(None);
+    };
+    let shaders = scene.shader_library(gpu.capabilities());
+    let plan = scene.plan(&shaders, &options.limits(gpu), options.size, false)?;
+    let node = plan.graph.nodes[raycast_node(&plan)?].name.clone();
+    let digest = keep::digest(scene, &plan, &shaders, gpu, desc.budget);
+    let file = quality
+        .cache
+        .as_ref()
+        .map(|folder| folder.join("quality").join(format!("{digest}.json")));
+    if let Some(kept) = file.as_deref().and_then(keep::read) {
+        return Ok(Some(kept.chosen(desc.budget, node)));
+    }
+    let chosen = calibrate::calibrate(scene, gpu, options, &plan, &node, desc.budget)?;
+    // What cannot be kept is chosen again next time.
+    if let (Some(file), Some(chosen)) = (file, &chosen) {
+        let _ = keep::write(&file, chosen);
+    }
+    Ok(chosen)
+}
+
+/// Most pixels of a picture that are held against the reference to say what was achieved.
+const SAMPLE: usize = 4096;
+
+/// The root mean square error of linear premultiplied colours of a picture, over a sample of its pixels, and how many
+/// those are. `None` where the reference does not compute what the graph draws.
+#[must_use]
+pub fn achieved(plan: &Plan, view: &View, picture: &Picture) -> Option<(f64, usize)> {
+    let node = raycast_node(plan).ok()?;
+    let scene = raycast_scene(&plan.context(node, view, None), view).ok()?;
+    let [width, height] = view.size;
+    let pixels: Vec<[u32; 2]> = sample(width, height);
+    let colors = volgraph_reference::render_pixels(&scene, &pixels, 1e-6).ok()?;
+    let mut squares = 0.0;
+    for ([x, y], truth) in pixels.iter().zip(&colors) {
+        let drawn = picture.color[*y as usize * width as usize + *x as usize];
+        let errors = drawn.iter().zip(truth).map(|(a, b)| f64::from(*a) - b);
+        squares += errors.map(|error| error * error).sum::<f64>();
+    }
+    let count = pixels.len();
+    Some(((squares / (4 * count.max(1)) as f64).sqrt(), count))
+}
+
+/// Pixels of a picture, spread evenly: all of a small one, else the points of a lattice that repeats nowhere (the
+/// additive recurrence of the plastic number).
+fn sample(width: u32, height: u32) -> Vec<[u32; 2]> {
+    let all = width as usize * height as usize;
+    if all <= SAMPLE {
+        return (0..height)
+            .flat_map(|y| (0..width).map(move |x| [x, y]))
+            .collect();
+    }
+    let plastic: f64 = 1.324_717_957_244_746;
+    let (across, down) = (plastic.recip(), plastic.powi(-2));
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a share of the picture's sides"
+    )]
+    let place = |at: usize| {
+        let share =
+            |step: f64, side: u32| ((0.5 + at as f64 * step).fract() * f64::from(side)) as u32;
+        [share(across, width), share(down, height)]
+    };
+    (0..SAMPLE).map(place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sample_is_of_the_picture_and_even() {
+        assert_eq!(
+            sample(3, 2),
+            [[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1]]
+        );
+        let pixels = sample(640, 480);
+        assert_eq!(pixels.len(), SAMPLE);
+        // Of 16 parts of the picture each has its share.
+        let mut counts = [0; 16];
+        for [x, y] in pixels {
+            counts[(x / 160 + 4 * (y / 120)) as usize] += 1;
+        }
+        assert!(
+            counts.iter().all(|count| (240..=272).contains(count)),
+            "{counts:?}"
+        );
+    }
+}
