@@ -239,9 +239,11 @@ mod tests {
             let transfer = TransferFunction::parse("t.ron".as_ref(), &text).unwrap();
             of_transfer(&transfer, (10.0, 30.0), |value| (value - 10.0) / 20.0).0
         };
-        // A triangle's spectrum is a squared sinc: narrower by ten, wider by ten; 1.0 over its width holds 99.9 %.
+        // The spectrum of a triangle is a squared sinc of the frequency times half its width, 2 data units: narrower by ten,
+        // wider by ten; 99.9 % of the integral of its square lie below 1.556. A mirrored line of 20
+        // units tells frequencies of 1/40 apart.
         let (wide, narrow) = (limit(0.1), limit(0.01));
         assert!((narrow / wide - 10.0).abs() < 0.5, "{wide} {narrow}");
-        assert!((0.5..1.5).contains(&(wide * 0.1 * 20.0)), "{wide}");
+        assert!((wide * 2.0 - 1.556).abs() <= 2.0 / 40.0, "{wide}");
     }
 }
