@@ -258,6 +258,7 @@ fn one_mistake_in_a_real_shader_is_one_finding() {
         ("normal_layer", "none"),
         ("samples_layer", "none"),
         ("label_layer", "none"),
+        ("error_layer", "none"),
         ("behind", "texture"),
         ("volume_filter", "loads"),
         ("clip_volume_filter", "loads"),

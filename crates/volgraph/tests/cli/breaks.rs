@@ -18,8 +18,8 @@ const BREAKS: [Break; 12] = [
     Break {
         what: "drops the last segment",
         file: "node/raycast.wgsl",
-        find: "            let back = raycast_sample(ray, end);",
-        with: "            if end >= length { break; }\n            let back = raycast_sample(ray, end);",
+        find: "            let back = sample_along(ray, end);",
+        with: "            if end >= length { break; }\n            let back = sample_along(ray, end);",
         case: "dvr_fog",
         expectation: "uniform(color: (0.4",
     },
@@ -74,8 +74,8 @@ const BREAKS: [Break; 12] = [
     Break {
         what: "swaps front and back in the table",
         file: "slot/classify/preintegrated_2d.wgsl",
-        find: "transfer_between(segment.front.scalar, segment.back.scalar)",
-        with: "transfer_between(segment.back.scalar, segment.front.scalar)",
+        find: "return preintegrated_2d_piece(front, back, segment.length);",
+        with: "return preintegrated_2d_piece(back, front, segment.length);",
         case: "dvr_along",
         expectation: "pixel(at: centre",
     },

@@ -124,11 +124,21 @@ fn refused_methods_are_listed_with_the_reason() {
 #[test]
 fn what_the_reference_does_not_cover_is_held_against_a_fine_step() {
     let scratch = scratch();
-    let methods = format!("classify=post {}", METHODS.replace("trilinear", "nearest"));
-    let nearest = ["--set", "image.slots.reconstruct=nearest"];
+    let methods = format!("classify=post {METHODS}");
+    // Shadows inside of a volume.
+    let shadowed = [
+        "--set",
+        "image.slots.light=phong",
+        "--set",
+        "image.slots.shadow=light_volume",
+    ];
     // A second graph comes with an index of both.
     scratch.write("other.ron", GRAPH);
-    let json = chart(&scratch, &methods, &[&nearest[..], &["other.ron"]].concat());
+    let json = chart(
+        &scratch,
+        &methods,
+        &[&shadowed[..], &["other.ron"]].concat(),
+    );
     assert_eq!(json["charts"][1]["truth"], "fine");
     for file in [
         "index.html",
@@ -159,6 +169,6 @@ fn what_the_reference_does_not_cover_is_held_against_a_fine_step() {
         "reference",
     ];
     scratch
-        .run(&[&args[..], &nearest[..]].concat())
+        .run(&[&args[..], &shadowed[..]].concat())
         .refused(&["not-covered"]);
 }

@@ -58,14 +58,17 @@ pub fn without_repeats(findings: Findings) -> Findings {
     let told: Vec<Place> = (&findings)
         .into_iter()
         .filter(|finding| finding.code == SLOT_FUNCTION)
-        .flat_map(|finding| finding.related.iter().map(|(place, _)| place.clone()))
+        .flat_map(|finding| {
+            // Where it is called, and where it is declared: others call it as wrongly.
+            let called = finding.related.iter().map(|(place, _)| place.clone());
+            called.chain(finding.place.clone())
+        })
         .collect();
+    let is_told = |place: &Place| told.contains(place);
     let is_repeat = |finding: &Finding| {
         ["wgsl-type", "wgsl-validation"].contains(&finding.code)
-            && finding
-                .place
-                .as_ref()
-                .is_some_and(|place| told.contains(place))
+            && (finding.place.as_ref().is_some_and(is_told)
+                || finding.related.iter().any(|(place, _)| is_told(place)))
     };
     findings
         .into_iter()

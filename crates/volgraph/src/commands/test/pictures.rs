@@ -85,7 +85,15 @@ pub fn difference(a: &Picture, b: &Picture) -> Option<(Picture, f64)> {
     let color = pairs().map(|pair| {
         // What alpha differs by is seen as grey.
         let alpha = error(pair, 3);
-        let color = |at| shown(scale * error(pair, at).max(alpha));
+        let color = |at| {
+            let own = error(pair, at);
+            // The larger of a number and of no number would be the number.
+            shown(if own.is_nan() {
+                own
+            } else {
+                scale * own.max(alpha)
+            })
+        };
         [color(0), color(1), color(2), 1.0]
     });
     let picture = Picture::from_color(a.width, a.height, color.collect()).ok()?;

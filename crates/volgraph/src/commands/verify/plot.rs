@@ -74,7 +74,7 @@ mod tests {
         let steps = [1.0, 0.5, 0.25, 0.125, 0.0625];
         let plot = text(&Convergence::of(&steps, &errors, 1e-7, 1e-5), "voxels");
         let count = |c: char| plot.chars().filter(|it| *it == c).count();
-        assert_eq!((count('●'), count('-')), (3, 2 + 4), "{plot}");
+        assert_eq!((count('●'), count('-')), (3, 2 + 2), "{plot}");
         assert!(count('·') > 10, "{plot}");
         assert!(
             plot.contains("4.0e-1") && plot.contains("1.0000 voxels"),
