@@ -311,7 +311,11 @@ impl Plan {
             BindingSource::Lens => lens_members(view),
             BindingSource::Camera => {
                 let origin = self.graph.origin();
-                let distances = self.graph.corners().into_iter().map(|it| it.distance(origin));
+                let distances = self
+                    .graph
+                    .corners()
+                    .into_iter()
+                    .map(|it| it.distance(origin));
                 camera_members(&view.camera, origin, distances.fold(0.0, f64::max))
             }
             BindingSource::Uniform(name) => match node.kind() {
