@@ -13,6 +13,10 @@ struct Lens {
 // origin; right, up and forward are orthonormal.
 struct Camera {
     eye: vec3f,
+    // Where the view's axis starts: the eye, or, where that is so far away that f32 has no digits left for both, a place
+    // before the volumes; and the world distance to it from the eye.
+    anchor: vec3f,
+    skipped: f32,
     right: vec3f,
     up: vec3f,
     forward: vec3f,
@@ -30,9 +34,9 @@ fn frame_view_plane(pixel: vec2f) -> vec2f {
 
 // Clip coordinates of a world point. Depth is constant: there is no depth buffer, and nothing is cut at a far plane.
 fn frame_clip_from_world(world: vec3f) -> vec4f {
-    let from_eye = world - camera.eye;
-    let x = dot(from_eye, camera.right) / lens.half_extent.x;
-    let y = dot(from_eye, camera.up) / lens.half_extent.y;
-    let w = select(dot(from_eye, camera.forward), 1.0, lens.is_orthographic != 0u);
+    let from_anchor = world - camera.anchor;
+    let x = dot(from_anchor, camera.right) / lens.half_extent.x;
+    let y = dot(from_anchor, camera.up) / lens.half_extent.y;
+    let w = select(camera.skipped + dot(from_anchor, camera.forward), 1.0, lens.is_orthographic != 0u);
     return vec4f(x, y, 0.5 * w, w);
 }

@@ -2,9 +2,11 @@
 #import "lib/frame.wgsl"
 
 struct Ray {
-    // World position of the eye (or of the pixel on the eye's plane), and the unit direction.
+    // World position of the eye (or of the pixel on the eye's plane), and the unit direction. From an eye that is very far
+    // away, the place that is `skipped` world units before it.
     origin: vec3f,
     direction: vec3f,
+    skipped: f32,
     // World distances from the origin where the ray enters and leaves the volume's box; empty where far <= near.
     near: f32,
     far: f32,
@@ -60,11 +62,14 @@ fn ray_through(pixel: vec2f) -> Ray {
     let aside = plane.x * camera.right + plane.y * camera.up;
     var ray: Ray;
     if lens.is_orthographic != 0u {
-        ray.origin = camera.eye + aside;
+        ray.origin = camera.anchor + aside;
         ray.direction = camera.forward;
+        ray.skipped = camera.skipped;
     } else {
-        ray.origin = camera.eye;
-        ray.direction = normalize(camera.forward + aside);
+        let towards = camera.forward + aside;
+        ray.origin = camera.anchor + camera.skipped * aside;
+        ray.direction = normalize(towards);
+        ray.skipped = camera.skipped * length(towards);
     }
     return ray;
 }

@@ -91,7 +91,8 @@ fn raycast_begin(@builtin(global_invocation_id) id: vec3u) {
 // ray that meets the box may be lost at its outline. Rays beside the box find that out themselves.
 @vertex
 fn raycast_vertex(@location(0) world: vec3f) -> @builtin(position) vec4f {
-    let distance = select(length(volume.centre - camera.eye) + volume.radius, 1.0, lens.is_orthographic != 0u);
+    let from_anchor = length(volume.centre - camera.anchor);
+    let distance = select(camera.skipped + from_anchor + volume.radius, 1.0, lens.is_orthographic != 0u);
     let pixel = 2.0 * lens.half_extent.y / lens.size.y * distance;
     let larger = 1.0 + 2.0 * pixel / volume.half_side;
     return frame_clip_from_world(volume.centre + (world - volume.centre) * larger);

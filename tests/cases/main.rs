@@ -33,6 +33,7 @@ mod segment_files;
 mod segments;
 mod shader_cases;
 mod snapshots;
+mod stress;
 mod sweep;
 mod tables;
 mod units;

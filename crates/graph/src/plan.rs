@@ -309,7 +309,15 @@ impl Plan {
         let source = binding_source(node, binding)?;
         let members: Uniform = match &source {
             BindingSource::Lens => lens_members(view),
-            BindingSource::Camera => camera_members(&view.camera, self.graph.origin()),
+            BindingSource::Camera => {
+                let origin = self.graph.origin();
+                let distances = self
+                    .graph
+                    .corners()
+                    .into_iter()
+                    .map(|it| it.distance(origin));
+                camera_members(&view.camera, origin, distances.fold(0.0, f64::max))
+            }
             BindingSource::Uniform(name) => match node.kind() {
                 Some(kind) => kind.uniform(name, &self.context(id, view, variant))?,
                 None => Vec::new(),
@@ -351,10 +359,25 @@ fn lens_members(view: &View) -> Uniform {
     ]
 }
 
-fn camera_members(camera: &Camera, origin: DVec3) -> Uniform {
+/// From so many radii away rays start before the volumes, and not at the eye: f32 has no digits left for both.
+const FAR_RADII: f64 = 64.0;
+
+fn camera_members(camera: &Camera, origin: DVec3, radius: f64) -> Uniform {
     let vec3 = |v: DVec3| UniformValue::Vec3(v.as_vec3().to_array());
+    let eye = camera.eye - origin;
+    let depth = -eye.dot(camera.forward);
+    // In front of everything by a radius.
+    let skipped = if depth > FAR_RADII * radius {
+        depth - 2.0 * radius
+    } else {
+        0.0
+    };
+    #[expect(clippy::cast_possible_truncation, reason = "shaders compute in f32")]
+    let skipped_f32 = skipped as f32;
     vec![
-        ("eye", vec3(camera.eye - origin)),
+        ("eye", vec3(eye)),
+        ("anchor", vec3(eye + skipped * camera.forward)),
+        ("skipped", UniformValue::F32(skipped_f32)),
         ("right", vec3(camera.right)),
         ("up", vec3(camera.up)),
         ("forward", vec3(camera.forward)),

@@ -15,7 +15,8 @@ use volgraph_shader::{ParamSpec, UniformValue};
 use wgpu_types::TextureFormat;
 
 use self::ports::{INPUTS, LAYERS, OUTPUTS, SLOTS};
-pub(crate) use self::tables::{TablePorts, data_value, table_range, transfer_uniform};
+pub use self::tables::data_value;
+pub(crate) use self::tables::{TablePorts, table_range, transfer_uniform};
 use self::tables::{check_table_sizes, check_tables_of_labels};
 pub(crate) use self::walk::{MAX_SEGMENTS, check_walk, longest_ray, walk_slots};
 

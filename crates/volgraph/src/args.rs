@@ -11,7 +11,7 @@ use clap::{Args as ClapArgs, Parser, Subcommand};
 use volgraph::{AdapterChoice, CameraDesc, Overrides, ParamOverride, ShaderFolders};
 use volgraph_volume::ScalarType;
 
-pub use accuracy::ReferenceArgs;
+pub use accuracy::{AdviseArgs, ReferenceArgs, StressArgs};
 pub use authors::{GalleryArgs, GraphsArgs, NewArgs, NewSlot, TestArgs};
 pub use chart::{ChartArgs, TruthChoice};
 pub use verify::{STOCK, VerifyArgs};
@@ -32,6 +32,12 @@ pub enum Command {
     Render(RenderArgs),
     /// Compute what a graph's picture should be, in float64 on the processor; no adapter is needed.
     Reference(ReferenceArgs),
+    /// Say which step a graph asks for: by Carson's rule from the spectra of its volume and transfer function, and measured.
+    Advise(AdviseArgs),
+    /// Draw the known breaking points of volume rendering, each with the methods that break there and those that hold.
+    ///
+    /// Exit code 1 means that a method which must hold does not.
+    Stress(StressArgs),
     /// Measure a graph's orders of convergence and hold them against what its slots declare; or render a picture again from
     /// its metadata and compare.
     ///

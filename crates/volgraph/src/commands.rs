@@ -1,6 +1,7 @@
 //! The commands, one file each.
 
 mod adapters;
+mod advise;
 mod bench;
 mod chart;
 mod check;
@@ -16,6 +17,7 @@ mod plan;
 mod reference;
 mod render;
 mod shader_tree;
+mod stress;
 mod test;
 mod verify;
 mod watch;
@@ -37,6 +39,8 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
     match command {
         Command::Render(args) => render::run(&args),
         Command::Reference(args) => reference::run(&args),
+        Command::Advise(args) => advise::run(&args),
+        Command::Stress(args) => stress::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Check(args) => check::run(&args),

@@ -16,6 +16,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod advise;
 pub mod case;
 mod dependencies;
 pub mod embedded;
@@ -27,6 +28,7 @@ pub mod recorded;
 mod scene;
 mod session;
 mod shaders;
+pub mod stress;
 pub mod truth;
 pub mod verify;
 

@@ -194,7 +194,8 @@ pub(crate) fn table_range(
 }
 
 /// The data value at a position of a transfer function.
-pub(crate) fn data_value(volume: &Volume, domain: Domain, at: f64) -> f64 {
+#[must_use]
+pub fn data_value(volume: &Volume, domain: Domain, at: f64) -> f64 {
     let (from, to) = match domain {
         Domain::Data => return at,
         Domain::Normalised => placement::normalised_range(volume),

@@ -6,7 +6,7 @@ use clap::Args as ClapArgs;
 use volgraph::TruthOptions;
 use volgraph::truth::default_cache;
 
-use super::SceneArgs;
+use super::{SceneArgs, ShaderArgs};
 
 /// How the truth is computed.
 #[derive(ClapArgs, Clone, Debug)]
@@ -49,6 +49,49 @@ pub struct ReferenceArgs {
     #[command(flatten)]
     pub truth: TruthArgs,
     /// Print what was done as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `volgraph stress`.
+#[derive(ClapArgs, Debug)]
+pub struct StressArgs {
+    /// Write a page (index.html) with pictures and curves into this folder.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Only the cases whose name has this text; may be given again.
+    #[arg(long, value_name = "TEXT")]
+    pub filter: Vec<String>,
+    /// Say what there is, and draw nothing.
+    #[arg(long)]
+    pub list: bool,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+    /// Where shaders are.
+    #[command(flatten)]
+    pub shaders: ShaderArgs,
+    /// The adapter: part of its name, a backend (vulkan, gl, metal, dx12) or a class (discrete, software, …).
+    #[arg(long, value_name = "WORDS", env = "VOLGRAPH_ADAPTER")]
+    pub adapter: Option<String>,
+}
+
+/// `volgraph advise`.
+#[derive(ClapArgs, Debug)]
+pub struct AdviseArgs {
+    /// The graph and its changes.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Measure errors at steps of 4 to 1/4 voxels against the reference too.
+    #[arg(long)]
+    pub measure: bool,
+    /// Width and height of the pictures that are measured.
+    #[arg(long, value_name = "WxH", default_value = "64x64", value_parser = super::parse_size)]
+    pub measure_size: [u32; 2],
+    /// How the truth is computed.
+    #[command(flatten)]
+    pub truth: TruthArgs,
+    /// Print JSON.
     #[arg(long)]
     pub json: bool,
 }

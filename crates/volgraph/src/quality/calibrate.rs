@@ -171,14 +171,13 @@ pub(super) fn calibrate(
 
 /// The fastest of those inside an error budget, or the most accurate inside a time; where none is inside, the nearest.
 fn best(found: &[Candidate], budget: Budget) -> &Candidate {
-    let (over, cost): (fn(&Candidate) -> f64, fn(&Candidate) -> f64) = match budget {
-        Budget::Rmse(_) => (|it| it.rmse, |it| it.ms),
-        Budget::TimeMs(_) => (|it| it.ms, |it| it.rmse),
+    // What is limited, and what is then made as good as it can be.
+    let (most, is_of_time) = match budget {
+        Budget::Rmse(rmse) => (SHARE * rmse, false),
+        Budget::TimeMs(time) => (time, true),
     };
-    let most = match budget {
-        Budget::Rmse(rmse) => SHARE * rmse,
-        Budget::TimeMs(time) => time,
-    };
+    let over = |it: &Candidate| if is_of_time { it.ms } else { it.rmse };
+    let cost = |it: &Candidate| if is_of_time { it.rmse } else { it.ms };
     let mut best = &found[0];
     for candidate in &found[1..] {
         let is_better = match (over(best) <= most, over(candidate) <= most) {
@@ -204,6 +203,8 @@ struct Trial<'a> {
     scale: f64,
     views: Vec<(Camera, Yardstick)>,
     has_step: bool,
+    /// The stage that all are compared in: software drivers are fastest in one, and each session would find that out anew.
+    stage: Option<ParamOverride>,
     tried: usize,
     /// Why ways were refused.
     refused: Vec<Findings>,
@@ -236,7 +237,8 @@ impl<'a> Trial<'a> {
             sides
         };
         let small = shrunk((f64::from(SMALL) / width.max(height)).min(1.0));
-        let most = if gpu.adapter().class == "software" {
+        let is_software = gpu.adapter().class == "software";
+        let most = if is_software {
             TIMED_PIXELS_OF_SOFTWARE
         } else {
             TIMED_PIXELS
@@ -251,6 +253,13 @@ impl<'a> Trial<'a> {
             scale: width * height / timed.map(f64::from).iter().product::<f64>(),
             views: Vec::new(),
             has_step,
+            stage: is_software.then(|| ParamOverride {
+                target: node.to_owned(),
+                is_slot: false,
+                name: "stage".to_owned(),
+                value: ParamValue::Text("fragment".to_owned()),
+                typed: format!("{node}.stage=fragment"),
+            }),
             tried: 0,
             refused: Vec::new(),
         };
@@ -306,6 +315,8 @@ impl<'a> Trial<'a> {
 
     fn session(&self, method: &Method, options: &SessionOptions) -> Result<Session, Findings> {
         let mut overrides = self.scene.overrides.clone();
+        // What is set by name holds.
+        overrides.params.splice(0..0, self.stage.clone());
         overrides.params.extend(method.overrides(self.node));
         let scene = self
             .scene

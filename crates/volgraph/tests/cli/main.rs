@@ -11,6 +11,7 @@ mod link;
 mod new;
 mod planted;
 mod reference;
+mod stress;
 mod verify;
 mod watch;
 
