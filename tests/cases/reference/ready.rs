@@ -8,9 +8,10 @@ use super::truth_of;
 const SIZE: [u32; 2] = [48, 48];
 
 /// What the reference does not compute yet.
-const REFUSED: [&str; 8] = [
+const REFUSED: [&str; 9] = [
     "difference",
     "environment",
+    "error",
     "matcap",
     "refraction",
     "refraction_surface",
