@@ -23,6 +23,7 @@ mod memory_of_work;
 mod plans;
 mod projections;
 mod quadratures;
+mod quality;
 mod rebuilds;
 mod reference;
 mod reflections;

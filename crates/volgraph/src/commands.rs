@@ -26,6 +26,7 @@ mod write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use volgraph::truth::default_cache;
 use volgraph::{Finding, Findings, Place, Scene, SessionOptions, registry};
 use volgraph_graph::is_embedded;
 use volgraph_picture::{PictureError, PngBits};
@@ -99,6 +100,7 @@ fn session_options(args: &SceneArgs, output: Option<&Path>) -> SessionOptions {
         with_layers: output.is_some_and(|output| extension(output) == "exr"),
         max_resource_bytes: args.max_resource_gib.map(|gib| gib << 30),
         is_as_written: false,
+        cache: default_cache(),
     }
 }
 

@@ -11,7 +11,6 @@ mod calibrate;
 mod keep;
 
 use std::fmt;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use serde::Serialize;
@@ -24,7 +23,6 @@ use volgraph_report::Findings;
 use crate::methods::{Method, TruthKind, raycast_node};
 use crate::scene::Scene;
 use crate::session::SessionOptions;
-use crate::truth::default_cache;
 
 /// What was chosen for a budget.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -68,21 +66,6 @@ impl fmt::Display for Chosen {
     }
 }
 
-/// Where choices are looked for before they are made.
-#[derive(Clone, Debug, PartialEq)]
-pub struct QualityOptions {
-    /// The folder of what can be made again; nothing is kept where it is `None`.
-    pub cache: Option<PathBuf>,
-}
-
-impl Default for QualityOptions {
-    fn default() -> Self {
-        Self {
-            cache: default_cache(),
-        }
-    }
-}
-
 /// Chooses the method that a scene's budget asks for; `None` where it states none, or all that could be chosen is set by
 /// name.
 ///
@@ -92,7 +75,6 @@ pub fn choose(
     scene: &Scene,
     gpu: &Arc<Gpu>,
     options: &SessionOptions,
-    quality: &QualityOptions,
 ) -> Result<Option<Chosen>, Findings> {
     let Some(desc) = &scene.desc.quality else {
         return Ok(None);
@@ -101,7 +83,7 @@ pub fn choose(
     let plan = scene.plan(&shaders, &options.limits(gpu), options.size, false)?;
     let node = plan.graph.nodes[raycast_node(&plan)?].name.clone();
     let digest = keep::digest(scene, &plan, &shaders, gpu, desc.budget);
-    let file = quality
+    let file = options
         .cache
         .as_ref()
         .map(|folder| folder.join("quality").join(format!("{digest}.json")));

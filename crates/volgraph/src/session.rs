@@ -25,9 +25,10 @@ pub use change::{Change, ChangeReport, ChangedFile, Drawn, Outcome, Refused, Sta
 use self::read_back::{picture, read};
 use crate::dependencies::Dependencies;
 use crate::overrides::Overrides;
-use crate::quality::{self, Chosen, QualityOptions};
+use crate::quality::{self, Chosen};
 use crate::scene::{NoProgress, Scene, SourceProgress};
 use crate::shaders::ShaderFolders;
+use crate::truth::default_cache;
 
 /// How a session is opened.
 #[derive(Clone, Debug)]
@@ -47,6 +48,8 @@ pub struct SessionOptions {
     pub max_resource_bytes: Option<u64>,
     /// Whether the graph's settings stand as they are written, whatever budget it states.
     pub is_as_written: bool,
+    /// Where what is chosen for a budget is kept; nowhere where it is `None`.
+    pub cache: Option<PathBuf>,
 }
 
 impl Default for SessionOptions {
@@ -59,6 +62,7 @@ impl Default for SessionOptions {
             with_layers: false,
             max_resource_bytes: None,
             is_as_written: false,
+            cache: default_cache(),
         }
     }
 }
@@ -451,7 +455,7 @@ fn settle(
     };
     let chosen = match before.filter(|before| before.budget == desc.budget) {
         Some(before) => Some(before.clone()),
-        None => quality::choose(&scene, gpu, options, &QualityOptions::default())?,
+        None => quality::choose(&scene, gpu, options)?,
     };
     let Some(chosen) = chosen else {
         return Ok((scene, None));

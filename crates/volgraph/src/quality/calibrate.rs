@@ -281,7 +281,7 @@ impl<'a> Trial<'a> {
         };
         let truth = TruthOptions {
             tolerance,
-            ..TruthOptions::default()
+            cache: self.small.cache.clone(),
         };
         for degrees in TURNS {
             let view = View {

@@ -1,0 +1,181 @@
+//! Budgets: what is chosen keeps the error, comes nearest where nothing does, holds what is set by name, and is chosen once.
+
+use std::path::Path;
+
+use volgraph::{Change, Outcome, Scene, Session, SessionOptions, Truth, TruthOptions};
+use volgraph_graph::{Budget, CameraDesc, read};
+use volgraph_tests::{Stage, adapters, options};
+
+const SIZE: [u32; 2] = [64, 64];
+
+fn graph(quality: &str) -> String {
+    format!(
+        r#"(
+    sources: {{
+        "volume": analytic(field: "gyroid", dims: (24, 24, 24)),
+        "colors": transfer(path: "transfer.ron"),
+    }},
+    camera: orbit(azimuth: 30, elevation: 20),
+    {quality}
+    nodes: {{
+        "box":   (kind: "proxy_box", in: {{ "volume": "volume" }}),
+        "image": (kind: "raycast", in: {{ "volume": "volume", "transfer": "colors", "rays": "box" }}),
+    }},
+    outputs: {{ "color": "image.color" }},
+)"#
+    )
+}
+
+const SMOOTH: &str = "(domain: normalised, color: [(0, (1, 0.2, 0)), (1, (0, 0.5, 1))], extinction: [(0, 0), (1, 0.3)])";
+
+/// A peak that a step of a voxel passes by.
+const PEAK: &str = "(domain: normalised, color: (1, 0.7, 0.3), opacity: [(0, 0), (0.595, 0), (0.6, 0.9), (0.605, 0), (1, 0)])";
+
+fn stage(quality: &str, transfer: &str) -> Stage {
+    Stage::new()
+        .with("graph.ron", graph(quality))
+        .with("transfer.ron", transfer)
+}
+
+fn session(stage: &Stage, sets: &[&str], backend: &str) -> Session {
+    let options = SessionOptions {
+        cache: Some(stage.path().join("cache")),
+        ..options(sets, backend, SIZE)
+    };
+    Session::open(stage.path().join("graph.ron"), &options)
+        .unwrap_or_else(|findings| panic!("{backend}: {findings}"))
+}
+
+/// The root mean square error of the session's picture against the whole truth.
+fn rmse(session: &mut Session) -> f64 {
+    let (picture, _) = session.render().unwrap();
+    let truth = TruthOptions {
+        tolerance: 1e-6,
+        cache: None,
+    };
+    let silent = volgraph_reference::Silent;
+    let truth = Truth::of(session.plan(), session.view(), &truth, &silent).unwrap();
+    truth.compare(&picture).unwrap().rmse
+}
+
+fn camera(text: &str) -> CameraDesc {
+    read::camera_text(Path::new("camera"), text).unwrap()
+}
+
+fn classify(session: &Session) -> String {
+    session.chosen().unwrap().method.text("classify")
+}
+
+#[test]
+fn an_error_budget_is_kept_from_all_sides_by_a_method_that_fits_the_transfer_function() {
+    for backend in adapters() {
+        for (transfer, rmse_budget) in [(SMOOTH, 0.002), (PEAK, 0.004)] {
+            let stage = stage(&format!("quality: budget(rmse: {rmse_budget}),"), transfer);
+            let mut session = session(&stage, &[], &backend);
+            let chosen = session.chosen().unwrap().clone();
+            assert!(chosen.is_met, "{backend}: {chosen}");
+            assert!(chosen.predicted_rmse <= rmse_budget, "{chosen}");
+            for view in [
+                "orbit(azimuth: 30, elevation: 20)",
+                "orbit(azimuth: 100, elevation: -30)",
+                "orbit(azimuth: 250, elevation: 70)",
+            ] {
+                session.set_camera(&camera(view));
+                let rmse = rmse(&mut session);
+                assert!(rmse <= rmse_budget, "{backend}, {view}: {rmse:e}, {chosen}");
+            }
+            // Where nothing is narrow, longer steps than the graph's own are enough; samples pass peaks by.
+            let is_sampled = ["post", "gauss2", "simpson"].contains(&&*classify(&session));
+            if transfer == PEAK {
+                assert!(!is_sampled, "{backend}: {chosen}");
+            } else {
+                let step: f64 = chosen.method.text("step").parse().unwrap();
+                assert!(step > 1.0, "{backend}: {chosen}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_set_by_name_is_held() {
+    let backend = &adapters()[0];
+    let stage = stage("quality: budget(rmse: 0.01),", SMOOTH);
+    let session_with = |sets: &[&str]| session(&stage, sets, backend);
+    let held = session_with(&["image.step=0.7", "image.slots.classify=simpson"]);
+    let chosen = held.chosen().unwrap();
+    assert_eq!(chosen.method.text("step"), "", "{chosen}");
+    assert_eq!(chosen.method.text("classify"), "", "{chosen}");
+    let everything = [
+        "image.step=0.7",
+        "image.slots.classify=simpson",
+        "image.volume_storage=r16float",
+    ];
+    assert_eq!(session_with(&everything).chosen(), None);
+    // A picture as it is written asks for nothing.
+    let as_written = SessionOptions {
+        is_as_written: true,
+        ..options(&[], backend, SIZE)
+    };
+    let plain = Session::open(stage.path().join("graph.ron"), &as_written).unwrap();
+    assert_eq!(plain.chosen(), None);
+}
+
+#[test]
+fn budgets_that_nothing_keeps_get_what_is_nearest() {
+    let backend = &adapters()[0];
+    let stage = stage("quality: budget(rmse: 0.000001),", PEAK);
+    let chosen = session(&stage, &[], backend).chosen().unwrap().clone();
+    assert!(!chosen.is_met && chosen.predicted_rmse < 0.01, "{chosen}");
+    stage.write("graph.ron", graph("quality: budget(time_ms: 0.001),"));
+    let chosen = session(&stage, &[], backend).chosen().unwrap().clone();
+    assert!(!chosen.is_met, "{chosen}");
+    // No end of time buys accuracy.
+    stage.write("graph.ron", graph("quality: budget(time_ms: 1000000),"));
+    let chosen = session(&stage, &[], backend).chosen().unwrap().clone();
+    assert!(chosen.is_met && chosen.predicted_rmse < 1e-3, "{chosen}");
+}
+
+#[test]
+fn a_choice_is_made_once_and_stays_while_people_edit() {
+    let backend = &adapters()[0];
+    let stage = stage("quality: budget(rmse: 0.002),", SMOOTH);
+    let mut session = session(&stage, &[], backend);
+    let first = session.chosen().unwrap().clone();
+    assert!(!first.is_kept);
+    let again = self::session(&stage, &[], backend)
+        .chosen()
+        .unwrap()
+        .clone();
+    assert!(again.is_kept);
+    assert_eq!(again.method, first.method);
+
+    let edited = |session: &mut Session, file: &str, text: String| {
+        stage.write(file, text);
+        let path = stage.path().join(file);
+        match session.apply(&Change::Files([path].into())) {
+            Ok(Outcome::Drawn(_)) => session.chosen().cloned(),
+            other => panic!("{other:?}"),
+        }
+    };
+    // Another transfer function may ask for another method, but not while it is edited.
+    let stays = edited(&mut session, "transfer.ron", PEAK.to_owned());
+    assert_eq!(stays.unwrap().method, first.method);
+    let looser = edited(
+        &mut session,
+        "graph.ron",
+        graph("quality: budget(rmse: 0.02),"),
+    );
+    assert_eq!(looser.unwrap().budget, Budget::Rmse(0.02));
+    let none = edited(&mut session, "graph.ron", graph(""));
+    assert_eq!(none, None);
+    // Without a budget the picture is that of the graph as it stands.
+    let plain = Scene::load(
+        &stage.path().join("graph.ron"),
+        &Default::default(),
+        &Default::default(),
+        volgraph::registry(),
+        &volgraph::NoProgress,
+    )
+    .unwrap();
+    assert_eq!(session.scene().overrides.params, plain.overrides.params);
+}
