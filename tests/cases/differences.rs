@@ -75,12 +75,9 @@ fn nodes_show_the_error_that_a_comparison_finds() {
             let error = off.iter().fold(0.0_f32, |most, off| most.max(off.abs()));
             largest = largest.max(error);
             assert_eq!(shown[at][0], error, "{backend}, pixel {at}");
-            for i in 0..3 {
-                let color = 8.0 * off[i].abs();
-                assert!(
-                    (picture.color[at][i] - color).abs() < 1e-6,
-                    "{backend}, pixel {at}"
-                );
+            for (shown, off) in picture.color[at].iter().zip(&off[..3]) {
+                let color = 8.0 * off.abs();
+                assert!((shown - color).abs() < 1e-6, "{backend}, pixel {at}");
             }
         }
         // There is something to see.

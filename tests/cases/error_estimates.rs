@@ -229,7 +229,6 @@ fn hold(group: &str, names: &[&str]) {
             wrong.push(*name);
         }
     }
-    println!("{table}");
     let file = format!(
         "{}/error_estimates_{group}.txt",
         env!("CARGO_TARGET_TMPDIR")

@@ -1,7 +1,7 @@
 //! `legend`: the bar of a transfer function's colours with the numbers beside it, drawn on the CPU.
 //!
 //! The legend is drawn twice, for letters are made of whole pixels: small, for pictures of 256 pixels, and with twice as
-//! large letters beside it (see `slot/legend/scale.wgsl`). [`marks`] says which numbers stand where, [`drawing`] draws.
+//! large letters beside it (see `slot/legend/scale.wgsl`). `marks` says which numbers stand where, `drawing` draws.
 
 mod drawing;
 mod marks;

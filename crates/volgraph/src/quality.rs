@@ -2,7 +2,7 @@
 //!
 //! A graph that states `quality: budget(rmse: 0.002)` or `budget(time_ms: 40)` leaves the method of its raycast to
 //! volgraph. [`choose`] draws small views by each way to classify, finds the longest step that keeps the error against
-//! the float64 reference ([`calibrate`]), times what is left at the picture's own size, and takes the fastest; or, in a
+//! the float64 reference (`calibrate`), times what is left at the picture's own size, and takes the fastest; or, in a
 //! given time, the most accurate. What is chosen is kept on disk under the digest of all that it depends on, the adapter
 //! included. What the user sets by name (`--set`) is held as it is. [`achieved`] says how wrong a picture then is, by the
 //! reference of a sample of its pixels.

@@ -1,9 +1,9 @@
 //! The orders of convergence of a graph, measured and held against what its slots declare (Etiene et al. 2014).
 //!
-//! The way of the data: [`Target`] is a graph with early termination off, and what its slots declare ([`declared`]) and
-//! its scene allows ([`limits`]). A study halves one thing ([`Axis`]) and draws each picture: [`step`], [`grid`] and
-//! [`pixel`]. Errors are taken against the float64 truth where it covers the graph, else between one picture and the
-//! next ([`Against`]), of colour, depth and normal ([`errors`]). [`Convergence`] says which of them tell an order and
+//! The way of the data: [`Target`] is a graph with early termination off, and what its slots declare (`declared`) and
+//! its scene allows (`limits`). A study halves one thing ([`Axis`]) and draws each picture: `step`, `grid` and
+//! `pixel`. Errors are taken against the float64 truth where it covers the graph, else between one picture and the
+//! next ([`Against`]), of colour, depth and normal (`errors`). [`Convergence`] says which of them tell an order and
 //! which it is, and [`Quantity`] whether it holds.
 
 mod declared;
