@@ -1,4 +1,5 @@
 // Lookups in the transfer function's tables; of a segmented volume, in those of the label that is walked through.
+#import slot "transfer_reach"
 #import slot "transfer_tables"
 
 // Linear colour and extinction per reference length at a scalar.

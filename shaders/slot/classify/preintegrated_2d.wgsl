@@ -30,7 +30,7 @@ fn preintegrated_2d_between(ends: vec2f, length: f32) -> Classified {
 fn preintegrated_2d_piece(front: f32, back: f32, length: f32) -> Classified {
     let ends = (vec2f(front, back) - transfer.low) * transfer.preintegration_per_scalar;
     let inside = clamp(ends, vec2f(0.0), vec2f(transfer.preintegration_last));
-    if all(inside == ends) {
+    if !transfer_reach_is_short() || all(inside == ends) {
         return preintegrated_2d_between(inside, length);
     }
     let lengths = transfer_shares(ends, transfer.preintegration_last) * length;

@@ -50,7 +50,7 @@ fn classify_segment(ray: Ray, segment: Segment) -> Classified {
     let table = preintegration_3d;
     let ends = (vec2f(segment.front.scalar, segment.back.scalar) - table.low) * table.entries_per_scalar;
     let inside = clamp(ends, vec2f(0.0), vec2f(table.last_entry));
-    if all(inside == ends) {
+    if !transfer_reach_is_short() || all(inside == ends) {
         return preintegrated_3d_between(inside, segment.length);
     }
     let lengths = transfer_shares(ends, table.last_entry) * segment.length;

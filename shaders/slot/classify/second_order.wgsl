@@ -12,7 +12,7 @@
 fn second_order_half(front: f32, back: f32, part: f32) -> vec4f {
     let ends = (vec2f(front, back) - transfer.low) * transfer.half_per_scalar;
     let inside = clamp(ends, vec2f(0.0), vec2f(transfer.half_last));
-    if all(inside == ends) {
+    if !transfer_reach_is_short() || all(inside == ends) {
         return second_order_within(inside, part);
     }
     let parts = transfer_shares(ends, transfer.half_last) * part;

@@ -3,12 +3,14 @@
 use std::collections::BTreeMap;
 
 use volgraph_graph::{NodeContext, NodeKind};
+use volgraph_optics::TransferFunction;
 use volgraph_report::Finding;
 use volgraph_shader::ParamValue;
 use volgraph_volume::Grid;
 
 use super::Raycast;
-use crate::{clip_volume, placement, segmentation};
+use super::tables::data_value;
+use crate::{clip_volume, placement, segmentation, transfer_table};
 
 /// Most segments of a ray: software drivers end loops after 65,535 turns, and a GPU would be busy for seconds.
 pub(crate) const MAX_SEGMENTS: f64 = 65_535.0;
@@ -24,7 +26,30 @@ pub(crate) fn walk_slots(node: &NodeContext<'_>) -> BTreeMap<String, String> {
         placement::filter_slot(node),
         placement::filter_slot_at(node, "clip_volume"),
         (segmentation::TABLES_SLOT.to_owned(), tables.to_owned()),
+        ("transfer_reach".to_owned(), reach(node).to_owned()),
     ])
+}
+
+/// Whether scalars may leave the tables of transfer functions: of data that go farther, and of fields that overshoot
+/// the data.
+fn reach(node: &NodeContext<'_>) -> &'static str {
+    let Ok(volume) = placement::volume(node, "volume") else {
+        return "within";
+    };
+    let (low, high) = placement::data_range(volume);
+    let is_left = |transfer: &TransferFunction| {
+        let (from, to) = transfer.range();
+        let [from, to] = [from, to].map(|at| data_value(volume, transfer.domain(), at));
+        low < from || to < high
+    };
+    let stays_among_voxels =
+        ["trilinear", "nearest", "tricubic"].contains(&node.slot("reconstruct"));
+    let transfers = transfer_table::transfers(node).unwrap_or_default();
+    if stays_among_voxels && !transfers.iter().any(|transfer| is_left(transfer)) {
+        "within"
+    } else {
+        "beyond"
+    }
 }
 
 /// Whether such a walk comes to its end, and solves the field that it reads.

@@ -263,6 +263,7 @@ fn one_mistake_in_a_real_shader_is_one_finding() {
         ("volume_filter", "loads"),
         ("clip_volume_filter", "loads"),
         ("transfer_tables", "one"),
+        ("transfer_reach", "within"),
         ("beyond", "none"),
         ("pattern", "uniform"),
     ]

@@ -147,10 +147,13 @@ impl Watcher<'_> {
         super::tell_warnings(scene, session.scene());
         self.teller.begins(&session);
         let drawn = session.render_checked();
+        let chosen = session.chosen().cloned();
         self.session = Some(session);
         match drawn {
             Ok((picture, frame)) => {
-                self.save(picture, start, |teller, saved| teller.first(&frame, saved));
+                self.save(picture, start, |teller, saved| {
+                    teller.first(&frame, chosen.as_ref(), saved);
+                });
                 (Ok(()), dependencies)
             }
             Err(findings) => (Err(findings), dependencies),

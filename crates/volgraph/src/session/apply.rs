@@ -243,6 +243,7 @@ impl Session {
         report.stages.plan_ms = clock.lap() - ms(times.link) - ms(times.validate);
         let plan = Arc::new(plan?);
 
+        report.chosen = chosen.clone().filter(|_| chosen != old.chosen);
         report.warnings = new_warnings(&old.scene, &scene);
         if let Change::Files(changed) = change {
             report.changed = roles(changed, &old.scene, &scene);

@@ -11,6 +11,7 @@ use volgraph_picture::Picture;
 use volgraph_report::Findings;
 
 use crate::overrides::ParamOverride;
+use crate::quality::Chosen;
 
 /// A change to what a session draws.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,6 +70,8 @@ pub struct ChangeReport {
     pub params_dropped: Vec<String>,
     /// Values that were set for parameters which no shader has any longer; they are set again when it comes back.
     pub set_aside: Vec<String>,
+    /// What was chosen for the graph's budget, where that is new.
+    pub chosen: Option<Chosen>,
     /// What the user should know of sources that were read.
     pub warnings: Vec<String>,
     /// Why the device was lost and made again, if it was.

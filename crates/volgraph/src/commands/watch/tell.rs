@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use serde_json::{Value, json};
+use volgraph::quality::Chosen;
 use volgraph::{ChangeReport, Dependencies, Findings, Picture, Session};
 use volgraph_gpu::FrameReport;
 use volgraph_measure::{Comparison, compare_without_flip};
@@ -77,7 +78,7 @@ impl<'a> Teller<'a> {
     }
 
     /// The first picture of a session.
-    pub fn first(&mut self, frame: &FrameReport, saved: Saved<'_>) {
+    pub fn first(&mut self, frame: &FrameReport, chosen: Option<&Chosen>, saved: Saved<'_>) {
         let difference = self.difference(saved.picture);
         if self.args.json {
             line(&json!({
@@ -85,6 +86,7 @@ impl<'a> Teller<'a> {
                 "number": saved.number,
                 "output": self.args.output.display().to_string(),
                 "frame": frame,
+                "quality": chosen,
                 "save_ms": ms(saved.save),
                 "total_ms": ms(saved.total),
                 "difference": difference,
@@ -94,6 +96,7 @@ impl<'a> Teller<'a> {
         let output = self.args.output.display();
         let total = ms(saved.total);
         output::print(&format!("#{} {output} in {total:.0} ms", saved.number));
+        print_chosen(chosen);
         self.print_difference(difference.as_ref());
     }
 
@@ -136,6 +139,7 @@ impl<'a> Teller<'a> {
             "set aside until their parameter is back:",
             &report.set_aside,
         );
+        print_chosen(report.chosen.as_ref());
         names("built", &report.pipelines_built);
         let ran: Vec<String> = report.frame.ran().into_iter().map(str::to_owned).collect();
         names("ran", &ran);
@@ -301,4 +305,11 @@ fn shown<'p>(paths: impl IntoIterator<Item = &'p PathBuf>) -> Vec<String> {
 
 fn ms(duration: Duration) -> f64 {
     duration.as_secs_f64() * 1e3
+}
+
+/// What was chosen for the graph's budget.
+fn print_chosen(chosen: Option<&Chosen>) {
+    if let Some(chosen) = chosen {
+        output::print(&format!("   {chosen}"));
+    }
 }
