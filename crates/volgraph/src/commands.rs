@@ -6,6 +6,7 @@ mod bench;
 mod chart;
 mod check;
 mod compare;
+mod drawing;
 mod errors;
 mod gallery;
 mod graphs;

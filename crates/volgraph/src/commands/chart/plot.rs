@@ -1,38 +1,15 @@
-//! The chart: error over time, both logarithmic, as SVG that follows the reader's light or dark colours.
-//!
-//! Ink and grid are drawn in two colours that nothing else has, and replaced by what the style sheet at the top says.
+//! The chart: error over time, both logarithmic, as SVG.
 
-use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use volgraph::{Finding, Findings};
+
+use crate::commands::drawing::{self, Axis, GRID, INK};
 
 use super::exhibit::{Exhibit, Metric};
 
 /// Width and height in SVG units.
 pub const SIZE: (u32, u32) = (980, 640);
-
-const INK: RGBColor = RGBColor(1, 1, 1);
-const GRID: RGBColor = RGBColor(2, 2, 2);
-
-/// Colours that are told apart in light and dark and by the colour-blind (Okabe and Ito 2008, and two more).
-const COLORS: [RGBColor; 8] = [
-    RGBColor(0x2f, 0x86, 0xc8),
-    RGBColor(0xd5, 0x5e, 0x00),
-    RGBColor(0x00, 0x9e, 0x73),
-    RGBColor(0xcc, 0x79, 0xa7),
-    RGBColor(0xe6, 0x9f, 0x00),
-    RGBColor(0x8a, 0x6f, 0xdf),
-    RGBColor(0x56, 0xb4, 0xe9),
-    RGBColor(0x99, 0x99, 0x33),
-];
-
-const STYLE: &str = "<style>
-svg { color: #1b1f24; --grid: #dde1e6; background: #ffffff; font-family: system-ui, sans-serif; }
-@media (prefers-color-scheme: dark) { svg { color: #d8dce0; --grid: #353a41; background: #191c20; } }
-text { font-family: system-ui, sans-serif; stroke: none; }
-</style>
-";
 
 /// A chart.
 pub struct Plot {
@@ -42,79 +19,6 @@ pub struct Plot {
     pub places: Vec<(i32, i32)>,
     /// The axis that colours stand for, and its values with their colours as CSS writes them.
     pub colors: (String, Vec<(String, String)>),
-}
-
-/// An axis of tens, with its own places for lines and numbers.
-#[derive(Clone)]
-struct Decades {
-    low: f64,
-    high: f64,
-}
-
-impl Decades {
-    /// Around these values, with so much room at both ends as a part of the whole.
-    fn around(values: impl Iterator<Item = f64>, room: (f64, f64)) -> Self {
-        let (low, high) = values
-            .filter(|value| *value > 0.0 && value.is_finite())
-            .fold((f64::INFINITY, 0.0_f64), |(low, high), value| {
-                (low.min(value), high.max(value))
-            });
-        let (low, high) = if low <= high { (low, high) } else { (1.0, 1.0) };
-        // At least a factor of three is seen.
-        let span = (high / low).log10().max(0.5);
-        let middle = 0.5 * (high * low).log10();
-        let (from, to) = (middle - 0.5 * span, middle + 0.5 * span);
-        Self {
-            low: 10_f64.powf(from - room.0 * span),
-            high: 10_f64.powf(to + room.1 * span),
-        }
-    }
-}
-
-impl Ranged for Decades {
-    type FormatOption = NoDefaultFormatting;
-    type ValueType = f64;
-
-    fn map(&self, value: &f64, (from, to): (i32, i32)) -> i32 {
-        let value = value.max(self.low);
-        let part = (value / self.low).log10() / (self.high / self.low).log10();
-        #[expect(clippy::cast_possible_truncation, reason = "pixels")]
-        let at = (f64::from(to - from) * part).round() as i32;
-        from + at
-    }
-
-    fn key_points<Hint: KeyPointHint>(&self, _hint: Hint) -> Vec<f64> {
-        let decades = (self.high / self.low).log10();
-        let parts: &[f64] = if decades < 2.2 {
-            &[1.0, 2.0, 5.0]
-        } else {
-            &[1.0]
-        };
-        #[expect(clippy::cast_possible_truncation, reason = "exponents are small")]
-        let (first, last) = (
-            self.low.log10().floor() as i32,
-            self.high.log10().ceil() as i32,
-        );
-        let points = (first..=last)
-            .flat_map(|exponent| parts.iter().map(move |part| part * 10_f64.powi(exponent)));
-        points
-            .filter(|point| (self.low..=self.high).contains(point))
-            .collect()
-    }
-
-    fn range(&self) -> std::ops::Range<f64> {
-        self.low..self.high
-    }
-}
-
-impl ValueFormatter<f64> for Decades {
-    fn format(value: &f64) -> String {
-        if (0.01..10_000.0).contains(value) {
-            format!("{}", (value * 1e6).round() / 1e6)
-        } else {
-            format!("{value:.0e}")
-        }
-    }
 }
 
 /// Draws the chart of an exhibit.
@@ -134,8 +38,8 @@ fn plotted(exhibit: &Exhibit) -> Result<Plot, Box<dyn std::error::Error>> {
     let peer_times = exhibit.peers.iter().map(|peer| peer.median_ms);
     // Labels are left of the front, and right of peers.
     let right = if exhibit.peers.is_empty() { 0.08 } else { 0.24 };
-    let x = Decades::around(times.chain(peer_times), (0.24, right));
-    let y = Decades::around(errors.chain(rounded).chain(peers), (0.12, 0.07));
+    let x = Axis::decades(times.chain(peer_times), (0.24, right));
+    let y = Axis::decades(errors.chain(rounded).chain(peers), (0.12, 0.07));
     let (group, colors) = groups(exhibit);
 
     let mut svg = String::new();
@@ -145,7 +49,7 @@ fn plotted(exhibit: &Exhibit) -> Result<Plot, Box<dyn std::error::Error>> {
             .margin(16)
             .x_label_area_size(48)
             .y_label_area_size(76)
-            .build_cartesian_2d(x, y)?;
+            .build_cartesian_2d(x.clone(), y.clone())?;
         let title = match metric {
             Metric::Rmse => "root mean squared error (linear, 1 is white)",
             Metric::CoreSteps => "root mean squared error of core pixels (8-bit steps)",
@@ -158,6 +62,8 @@ fn plotted(exhibit: &Exhibit) -> Result<Plot, Box<dyn std::error::Error>> {
             .light_line_style(TRANSPARENT)
             .x_desc("milliseconds per frame, read back")
             .y_desc(title)
+            .x_label_formatter(&|value| x.label(*value))
+            .y_label_formatter(&|value| y.label(*value))
             .label_style(text.clone())
             .axis_desc_style(text.clone())
             .draw()?;
@@ -165,7 +71,7 @@ fn plotted(exhibit: &Exhibit) -> Result<Plot, Box<dyn std::error::Error>> {
         let color = |i: usize| {
             let value = measured[i].method.text(&group);
             let known = colors.iter().position(|known| *known == value);
-            COLORS[known.unwrap_or(0) % COLORS.len()]
+            drawing::color(known.unwrap_or(0))
         };
         if metric == Metric::CoreSteps {
             // The same methods with pictures rounded to 8 bits: a thin line up from each of the front.
@@ -229,16 +135,10 @@ fn plotted(exhibit: &Exhibit) -> Result<Plot, Box<dyn std::error::Error>> {
         area.present()?;
         places
     };
-    let svg = svg
-        .replace("\"#010101\"", "\"currentColor\"")
-        .replace("\"#020202\"", "\"var(--grid)\"");
-    let svg = svg.replacen('>', &format!(">\n{STYLE}"), 1);
-    let legend = colors.iter().enumerate().map(|(i, value)| {
-        let RGBColor(r, g, b) = COLORS[i % COLORS.len()];
-        (value.clone(), format!("#{r:02x}{g:02x}{b:02x}"))
-    });
+    let legend = colors.iter().enumerate();
+    let legend = legend.map(|(i, value)| (value.clone(), drawing::css(i)));
     Ok(Plot {
-        svg,
+        svg: drawing::standalone(&svg),
         places,
         colors: (group, legend.collect()),
     })
@@ -306,27 +206,6 @@ impl Labels {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn decades_map_and_mark_evenly() {
-        let axis = Decades {
-            low: 1e-4,
-            high: 1.0,
-        };
-        assert_eq!(
-            [1e-4, 1e-3, 1e-2, 0.1, 1.0, 0.0].map(|value| axis.map(&value, (0, 400))),
-            [0, 100, 200, 300, 400, 0]
-        );
-        let marks = axis.key_points(plotters::coord::ranged1d::BoldPoints(10));
-        assert_eq!(marks.len(), 5);
-        let shown: Vec<String> = marks.iter().map(Decades::format).collect();
-        assert_eq!(shown, ["1e-4", "1e-3", "0.01", "0.1", "1"]);
-        // One value, and none that can be drawn.
-        for values in [vec![3.0], vec![0.0], vec![]] {
-            let axis = Decades::around(values.into_iter(), (0.1, 0.1));
-            assert!(axis.low < axis.high && axis.low > 0.0);
-        }
-    }
 
     #[test]
     fn labels_do_not_cover_each_other() {

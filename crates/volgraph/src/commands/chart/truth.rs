@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use volgraph::methods::{FINE_STEP, Method, MethodSpace, Setting, Yardstick, parse_filters};
-use volgraph::{Finding, Findings, Plan, Scene, Session, SessionOptions};
+use volgraph::methods::{FINE_STEP, Yardstick, fine_method, is_uncovered, raycast_node};
+use volgraph::{Findings, Plan, Scene, Session, SessionOptions};
 use volgraph_gpu::Gpu;
-use volgraph_shader::{DiskFiles, ParamValue};
 
 use crate::args::{ChartArgs, TruthChoice};
 use crate::commands::reference::Rows;
@@ -26,10 +25,6 @@ pub fn of(
     }
     let view = plan.view();
     let reference = Yardstick::reference(plan, &view, &args.reference.options(), &Rows(bars));
-    let is_uncovered = |findings: &Findings| {
-        let mut findings = findings.into_iter();
-        findings.all(|finding| finding.code == "not-covered")
-    };
     match reference {
         Err(findings) if args.truth.is_none() && is_uncovered(&findings) => {
             bars.clear();
@@ -46,39 +41,20 @@ pub fn of(
     }
 }
 
-/// The graph at a very fine step, to the end of each ray, its voxels in f32.
+/// The graph at a very fine step.
 fn fine(
     scene: &Scene,
     gpu: &Arc<Gpu>,
     options: &SessionOptions,
     plan: &Plan,
 ) -> Result<Yardstick, Findings> {
-    // What the raycast has of these.
-    let roots = scene.shader_roots(Arc::new(DiskFiles));
-    let mut settings = Vec::new();
-    for (name, value) in [
-        ("step", ParamValue::Float(FINE_STEP)),
-        ("early_termination", ParamValue::Float(0.0)),
-        ("volume_storage", ParamValue::Text("r32float".to_owned())),
-    ] {
-        let filters = parse_filters(&format!("{name}={value}"))
-            .map_err(|why| Findings::from(Finding::error("fine-truth", why)))?;
-        let is_own = plan.graph.nodes[volgraph::methods::raycast_node(plan)?]
-            .params
-            .contains_key(name);
-        if is_own && MethodSpace::of(plan, &roots, &scene.registry, &filters).is_ok() {
-            settings.push(Setting {
-                name: name.to_owned(),
-                is_slot: false,
-                value,
-            });
-        }
-    }
-    let node = &plan.graph.nodes[volgraph::methods::raycast_node(plan)?].name;
-    let mut overrides = scene.overrides.clone();
-    overrides.params.extend(Method { settings }.overrides(node));
-    let scene = scene.with_overrides(&overrides, &volgraph::NoProgress)?;
-    let mut session = Session::start(scene, Arc::clone(gpu), options)?;
+    let node = &plan.graph.nodes[raycast_node(plan)?].name;
+    let scene = scene.with_sets(&fine_method(plan)?.overrides(node))?;
+    let options = SessionOptions {
+        is_as_written: true,
+        ..options.clone()
+    };
+    let mut session = Session::start(scene, Arc::clone(gpu), &options)?;
     let (picture, _) = session.render_checked()?;
     Yardstick::fine(plan, &plan.view(), picture)
 }

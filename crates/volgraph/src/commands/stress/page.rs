@@ -9,7 +9,7 @@ use volgraph::{Finding, Findings, Picture, Place};
 use volgraph_picture::SaveOptions;
 
 use super::curve;
-use crate::commands::errors;
+use crate::commands::{drawing, errors};
 
 const STYLE: &str = "
     body { margin: 2rem auto; max-width: 78rem; padding: 0 1rem; background: #15171a; color: #d8dce0;
@@ -197,7 +197,7 @@ fn row(report: &CaseReport, number: usize, method: &MethodReport) -> Markup {
     let worst = method.worst();
     html! {
         tr {
-            td { span class="key" style={ "background:" (curve::color(number)) } {} (method.name) }
+            td { span class="key" style={ "background:" (drawing::css(number)) } {} (method.name) }
             td class=(class(method.verdict)) { (method.verdict.words()) }
             td { (worst.words()) }
             td class="why" { @if worst.bound.is_finite() { (format!("{:.1e}", worst.bound)) } }

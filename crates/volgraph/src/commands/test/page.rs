@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use volgraph::CaseOptions;
 use volgraph::case::{CaseReport, Outcome, Verdict};
+use volgraph::{CaseOptions, Findings};
 use volgraph_gpu::Gpu;
 
 use super::chart::{self, Plot};
@@ -191,7 +191,7 @@ fn figures(outcome: &Outcome, pictures: &mut Pictures<'_>) -> anyhow::Result<Mar
 }
 
 /// The errors over a parameter that was halved.
-fn curve(outcome: &Outcome) -> anyhow::Result<Option<String>> {
+fn curve(outcome: &Outcome) -> Result<Option<String>, Findings> {
     let Some(curve) = &outcome.curve else {
         return Ok(None);
     };
@@ -206,7 +206,7 @@ fn curve(outcome: &Outcome) -> anyhow::Result<Option<String>> {
 }
 
 /// What was measured over the one number that is swept, where it is swept over three values or more.
-fn swept(outcomes: &[Outcome]) -> anyhow::Result<Option<String>> {
+fn swept(outcomes: &[Outcome]) -> Result<Option<String>, Findings> {
     let at = |outcome: &Outcome| -> Option<(String, f64, f64)> {
         let (name, value) = outcome.point.split_once('=')?;
         Some((name.to_owned(), value.parse().ok()?, outcome.measured?))

@@ -45,6 +45,8 @@ pub fn run(args: &VerifyArgs) -> anyhow::Result<ExitCode> {
         size: recorded.view.size,
         overrides: scene.overrides.clone(),
         shader_folders: scene.shader_folders.clone(),
+        // What was chosen for a budget is recorded.
+        is_as_written: true,
         ..session_options(&args.scene, Some(file))
     };
     let gpu = Arc::new(Gpu::open(&options.adapter)?);

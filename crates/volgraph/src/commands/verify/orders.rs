@@ -57,6 +57,7 @@ pub fn run(args: &VerifyArgs) -> anyhow::Result<ExitCode> {
     let session = SessionOptions {
         overrides: target.scene.overrides.clone(),
         with_layers: true,
+        is_as_written: true,
         ..session_options(&args.scene, None)
     };
     let gpu = Arc::new(Gpu::open(&session.adapter)?);
@@ -153,7 +154,7 @@ fn write_svg(folder: &Path, studies: &[Study], name: &str) -> Result<(), Finding
     fs::create_dir_all(folder).map_err(|error| io(folder, error))?;
     for study in studies {
         let path = folder.join(format!("{}.svg", study.axis.name()));
-        fs::write(&path, svg::study(study, name)).map_err(|error| io(&path, error))?;
+        fs::write(&path, svg::study(study, name)?).map_err(|error| io(&path, error))?;
     }
     Ok(())
 }
