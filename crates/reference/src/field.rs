@@ -62,6 +62,27 @@ impl fmt::Debug for Field {
     }
 }
 
+/// The distances between which a ray (origin and slope) is between three pairs of planes; `None` where it never is.
+pub(crate) fn between_slabs(
+    (origin, slope): (DVec3, DVec3),
+    (low, high): (DVec3, DVec3),
+) -> Option<(f64, f64)> {
+    let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
+    for axis in 0..3 {
+        let (low, high) = (low[axis] - origin[axis], high[axis] - origin[axis]);
+        if slope[axis] == 0.0 {
+            if low > 0.0 || high < 0.0 {
+                return None;
+            }
+            continue;
+        }
+        let (a, b) = (low / slope[axis], high / slope[axis]);
+        near = near.max(a.min(b));
+        far = far.min(a.max(b));
+    }
+    (near < far).then_some((near, far))
+}
+
 impl Field {
     /// The field of a volume; not-a-number is its smallest value and infinite values are its nearest finite ones, as they
     /// are drawn.
@@ -177,23 +198,8 @@ impl Field {
     /// The distances, not behind the origin, between which a ray is in the box; `None` where it misses it.
     #[must_use]
     pub fn interval(&self, ray: &Ray) -> Option<(f64, f64)> {
-        let (origin, slope) = self.in_index(ray);
-        let (mut near, mut far) = (0.0_f64, f64::INFINITY);
-        for axis in 0..3 {
-            let (low, high) = (
-                self.box_low[axis] - origin[axis],
-                self.box_high[axis] - origin[axis],
-            );
-            if slope[axis] == 0.0 {
-                if low > 0.0 || high < 0.0 {
-                    return None;
-                }
-                continue;
-            }
-            let (a, b) = (low / slope[axis], high / slope[axis]);
-            near = near.max(a.min(b));
-            far = far.min(a.max(b));
-        }
+        let (near, far) = between_slabs(self.in_index(ray), (self.box_low, self.box_high))?;
+        let near = near.max(0.0);
         (near < far).then_some((near, far))
     }
 

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::clip::towards_eye;
 use crate::curve::{QUARTERS, corner, trilinear};
-use crate::field::Field;
+use crate::field::{Field, between_slabs};
 use crate::polynomial::Polynomial;
 use crate::rays::Ray;
 
@@ -122,23 +122,7 @@ impl Labels {
             .field
             .index_from_world()
             .transform_vector3(ray.direction);
-        let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
-        for axis in 0..3 {
-            let (low, high) = (
-                self.low[axis] - origin[axis],
-                self.high[axis] - origin[axis],
-            );
-            if slope[axis] == 0.0 {
-                if low > 0.0 || high < 0.0 {
-                    return None;
-                }
-                continue;
-            }
-            let (a, b) = (low / slope[axis], high / slope[axis]);
-            near = near.max(a.min(b));
-            far = far.min(a.max(b));
-        }
-        (near < far).then_some((near, far))
+        between_slabs((origin, slope), (self.low, self.high))
     }
 
     /// Calls `visit` with the end and the label of each part of a cell in which one label has most.

@@ -29,4 +29,4 @@ pub use session_stand::{OnPicture, Ready, SessionStand, middle, turned};
 pub use space::{Axis, MethodSpace, raycast_node};
 pub use stand::{Stand, Times, alternate};
 pub use survey::{Survey, SurveyOptions, SurveyProgress, survey};
-pub use yardstick::{FINE_STEP, TruthKind, Yardstick};
+pub use yardstick::{FINE_STEP, TruthKind, Yardstick, fine_method, is_uncovered};

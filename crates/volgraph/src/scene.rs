@@ -18,7 +18,7 @@ use volgraph_watch::Seen;
 
 use crate::dependencies::{Dependencies, as_it_is, data_since};
 use crate::embedded;
-use crate::overrides::Overrides;
+use crate::overrides::{Overrides, ParamOverride};
 use crate::shaders::ShaderFolders;
 
 /// Graph files are at most this long.
@@ -39,6 +39,7 @@ impl SourceProgress for NoProgress {
 }
 
 /// A loaded graph.
+#[derive(Clone)]
 pub struct Scene {
     /// The graph file; `embedded:/graphs/…` for one of volgraph's own.
     pub path: PathBuf,
@@ -182,6 +183,22 @@ impl Scene {
             progress,
             &mut dependencies,
         )
+    }
+
+    /// This very graph, with whatever was changed in it since its text was read, and parameters and slots of its nodes set
+    /// over all that is set. Sources stay as they are.
+    ///
+    /// # Errors
+    /// `unknown-node` for a name that is no node.
+    pub fn with_sets(&self, sets: &[ParamOverride]) -> Result<Self, Findings> {
+        let mut scene = self.clone();
+        let set = Overrides {
+            params: sets.to_vec(),
+            ..Overrides::default()
+        };
+        set.apply(&mut scene.desc)?;
+        scene.overrides.params.extend(set.params);
+        Ok(scene)
     }
 
     /// Takes those sources of another scene that are the same, so that they are held once.

@@ -224,11 +224,19 @@ impl Session {
     ) -> Result<Self, Findings> {
         scene.check_color_output()?;
         let wanted = scene.overrides.clone();
-        let (scene, chosen) = settle(scene, &gpu, options, None)?;
         let (shaders, snapshot) = apply::library(&scene, &gpu);
         let limits = options.limits(&gpu);
-        let plan = scene.plan(&shaders, &limits, options.size, options.with_layers);
+        let plan_of =
+            |scene: &Scene| scene.plan(&shaders, &limits, options.size, options.with_layers);
+        let settled = settle(scene.clone(), &gpu, options, None);
+        let (scene, chosen) = match settled {
+            Ok((scene, chosen)) => (scene, Ok(chosen)),
+            Err(findings) => (scene, Err(findings)),
+        };
+        // Also where nothing can be chosen for a budget it is known which files may mend that.
+        let plan = plan_of(&scene);
         *dependencies = Dependencies::of(&scene, &snapshot);
+        let chosen = chosen?;
         let plan = plan?;
         let stance = Stance::Graph;
         let view = stance.view(&plan);
@@ -453,21 +461,21 @@ fn settle(
     else {
         return Ok((scene, None));
     };
-    let chosen = match before.filter(|before| before.budget == desc.budget) {
+    let still_fits = |before: &&Chosen| {
+        before.budget == desc.budget && scene.desc.nodes.contains_key(&before.node)
+    };
+    let chosen = match before.filter(still_fits) {
         Some(before) => Some(before.clone()),
         None => quality::choose(&scene, gpu, options)?,
     };
     let Some(chosen) = chosen else {
         return Ok((scene, None));
     };
-    let mut overrides = scene.overrides.clone();
-    // What is set by name comes later, and holds.
-    let method = chosen.method.overrides(&chosen.node);
-    if !overrides.params.starts_with(&method) {
-        overrides.params.splice(0..0, method);
-    }
-    let settled = scene.with_overrides(&overrides, &NoProgress)?;
-    Ok((settled, Some(chosen)))
+    // What is set by name holds, that of an earlier choice as well.
+    let mut method = chosen.method.overrides(&chosen.node);
+    let known = &scene.overrides.params;
+    method.retain(|set| known.iter().all(|known| !known.sets_the_same(set)));
+    Ok((scene.with_sets(&method)?, Some(chosen)))
 }
 
 impl State {

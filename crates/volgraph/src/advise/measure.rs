@@ -80,6 +80,10 @@ pub fn measure(
             return Ok(());
         }
     };
+    let options = &SessionOptions {
+        is_as_written: true,
+        ..options.clone()
+    };
     let gpu = Arc::new(Gpu::open(&options.adapter)?);
     for classify in CLASSIFY {
         for step in MEASURED_STEPS {

@@ -177,6 +177,8 @@ impl<'c> Renderer<'c> {
             overrides: scene.overrides.clone(),
             shader_folders: self.folders.clone(),
             with_layers: true,
+            // A case says itself what it draws.
+            is_as_written: true,
             ..SessionOptions::default()
         };
         let middle = scene_middle(&scene);

@@ -13,7 +13,7 @@ use super::accuracy::Errors;
 use super::measurement::Method;
 use super::stand::Stand;
 use super::yardstick::Yardstick;
-use crate::scene::{NoProgress, Scene};
+use crate::scene::Scene;
 use crate::session::{Session, SessionOptions};
 
 /// Told each method's picture.
@@ -64,9 +64,7 @@ impl SessionStand<'_> {
     /// # Errors
     /// What the scene, the kinds, the shaders or the device refuse of it.
     pub fn session(&self, method: &Method) -> Result<Session, Findings> {
-        let mut overrides = self.scene.overrides.clone();
-        overrides.params.extend(method.overrides(&self.node));
-        let scene = self.scene.with_overrides(&overrides, &NoProgress)?;
+        let scene = self.scene.with_sets(&method.overrides(&self.node))?;
         let options = SessionOptions {
             is_as_written: true,
             ..self.options.clone()

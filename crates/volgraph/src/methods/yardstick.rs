@@ -7,8 +7,10 @@ use volgraph_nodes::source::volume::VolumeSource;
 use volgraph_picture::Picture;
 use volgraph_reference::Progress;
 use volgraph_report::{Finding, Findings};
+use volgraph_shader::ParamValue;
 
 use super::accuracy::{Errors, core_pixels, errors};
+use super::measurement::{Method, Setting};
 use super::space::raycast_node;
 use crate::truth::{Truth, TruthOptions};
 
@@ -23,6 +25,41 @@ pub enum TruthKind {
     Reference,
     /// The same graph at a very fine step, in the device's f32.
     Fine,
+}
+
+/// Whether a truth failed for that alone that the reference does not compute what the graph draws.
+#[must_use]
+pub fn is_uncovered(findings: &Findings) -> bool {
+    findings
+        .sorted()
+        .iter()
+        .all(|finding| finding.code == "not-covered")
+}
+
+/// The settings of a plan's raycast that stand for the truth where the reference does not compute it: a very fine step, to
+/// the end of each ray, voxels in f32; those that it has.
+///
+/// # Errors
+/// As [`raycast_node`].
+pub fn fine_method(plan: &Plan) -> Result<Method, Finding> {
+    let node = &plan.graph.nodes[raycast_node(plan)?];
+    let settings = [
+        ("step", ParamValue::Float(FINE_STEP)),
+        ("early_termination", ParamValue::Float(0.0)),
+        ("volume_storage", ParamValue::Text("r32float".to_owned())),
+    ];
+    let settings = settings.into_iter().filter(|(name, value)| {
+        let mut specs = node.specs().into_iter();
+        specs.any(|spec| spec.name == *name && spec.check(value).is_ok())
+    });
+    let settings = settings.map(|(name, value)| Setting {
+        name: name.to_owned(),
+        is_slot: false,
+        value,
+    });
+    Ok(Method {
+        settings: settings.collect(),
+    })
 }
 
 /// What pictures are held against.

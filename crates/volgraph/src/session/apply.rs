@@ -207,11 +207,13 @@ impl Session {
         let mut scene = scene?;
         scene.check_color_output()?;
         let gpu = Arc::clone(self.runner.gpu());
-        let chosen;
-        (scene, chosen) = settle(scene, &gpu, &self.options, old.chosen.as_ref())?;
         let shaders = old
             .shaders
             .with_roots(scene.shader_roots(Arc::new(snapshot.clone())));
+        let settled = settle(scene.clone(), &gpu, &self.options, old.chosen.as_ref());
+        if let Ok((settled, _)) = &settled {
+            scene = settled.clone();
+        }
         let size = match change {
             Change::Size(size) => *size,
             _ => old.view.size,
@@ -237,6 +239,7 @@ impl Session {
         if let Change::Files(_) = change {
             self.dependencies = Dependencies::of(&scene, &snapshot);
         }
+        let (_, chosen) = settled?;
         let times = shaders.take_times();
         report.stages.link_ms = ms(times.link);
         report.stages.validate_ms = ms(times.validate);
