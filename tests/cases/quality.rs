@@ -142,12 +142,21 @@ fn a_choice_is_made_once_and_stays_while_people_edit() {
     let mut session = session(&stage, &[], backend);
     let first = session.chosen().unwrap().clone();
     assert!(!first.is_kept);
-    let again = self::session(&stage, &[], backend)
-        .chosen()
-        .unwrap()
-        .clone();
+    let mut other = self::session(&stage, &[], backend);
+    let again = other.chosen().unwrap().clone();
     assert!(again.is_kept);
     assert_eq!(again.method, first.method);
+
+    // What is set by name later holds, and is told: the picture is no longer the one that was predicted.
+    let step = volgraph::ParamOverride::parse("image.step=0.25").unwrap();
+    let set = other.apply(&Change::Set(vec![step]));
+    assert!(matches!(set, Ok(Outcome::Drawn(_))));
+    let overruled = other.chosen().unwrap();
+    assert_eq!(overruled.overruled, ["step"], "{overruled}");
+    assert!(
+        !overruled.to_string().contains("predicted rmse"),
+        "{overruled}"
+    );
 
     let edited = |session: &mut Session, file: &str, text: String| {
         stage.write(file, text);

@@ -9,6 +9,8 @@
 
 mod calibrate;
 mod keep;
+mod search;
+mod trial;
 
 use std::fmt;
 use std::sync::Arc;
@@ -21,6 +23,7 @@ use volgraph_picture::Picture;
 use volgraph_report::Findings;
 
 use crate::methods::{Method, TruthKind, raycast_node};
+use crate::overrides::ParamOverride;
 use crate::scene::Scene;
 use crate::session::SessionOptions;
 
@@ -45,6 +48,24 @@ pub struct Chosen {
     pub tried: usize,
     /// Whether it was chosen before and kept.
     pub is_kept: bool,
+    /// Settings of the method that were set by name since, and hold: what was predicted is then not what is drawn.
+    pub overruled: Vec<String>,
+}
+
+impl Chosen {
+    /// The same choice where these are set by name.
+    pub(crate) fn overruled_by(&self, sets: &[ParamOverride]) -> Self {
+        let own = self.method.overrides(&self.node).into_iter();
+        // What it set itself is among them.
+        let by_another = |own: &ParamOverride| {
+            let mut sets = sets.iter();
+            sets.any(|set| set.sets_the_same(own) && set.value != own.value)
+        };
+        Self {
+            overruled: own.filter(by_another).map(|own| own.name).collect(),
+            ..self.clone()
+        }
+    }
 }
 
 impl fmt::Display for Chosen {
@@ -58,10 +79,18 @@ impl fmt::Display for Chosen {
         } else {
             " (the nearest there is)"
         };
+        write!(f, "{}{unmet}; ", self.method)?;
+        if !self.overruled.is_empty() {
+            let names = self.overruled.join(", ");
+            return write!(
+                f,
+                "set by name since, so that nothing is predicted: {names}"
+            );
+        }
         write!(
             f,
-            "{}{unmet}; predicted rmse {:.2e} in {:.1} ms",
-            self.method, self.predicted_rmse, self.predicted_ms
+            "predicted rmse {:.2e} in {:.1} ms",
+            self.predicted_rmse, self.predicted_ms
         )
     }
 }
@@ -91,8 +120,9 @@ pub fn choose(
         return Ok(Some(kept.chosen(desc.budget, node)));
     }
     let chosen = calibrate::calibrate(scene, gpu, options, &plan, &node, desc.budget)?;
-    // What cannot be kept is chosen again next time.
-    if let (Some(file), Some(chosen)) = (file, &chosen) {
+    // What cannot be kept is chosen again next time; so is what may have been too slow for another's load alone.
+    let is_lasting = |chosen: &&Chosen| chosen.is_met || matches!(chosen.budget, Budget::Rmse(_));
+    if let (Some(file), Some(chosen)) = (file, chosen.as_ref().filter(is_lasting)) {
         let _ = keep::write(&file, chosen);
     }
     Ok(chosen)

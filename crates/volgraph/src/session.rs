@@ -7,6 +7,7 @@
 
 mod apply;
 mod change;
+mod compare;
 mod read_back;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -465,7 +466,7 @@ fn settle(
         before.budget == desc.budget && scene.desc.nodes.contains_key(&before.node)
     };
     let chosen = match before.filter(still_fits) {
-        Some(before) => Some(before.clone()),
+        Some(before) => Some(before.overruled_by(&scene.overrides.params)),
         None => quality::choose(&scene, gpu, options)?,
     };
     let Some(chosen) = chosen else {

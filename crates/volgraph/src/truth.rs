@@ -184,19 +184,19 @@ fn write(file: &Path, rendered: &Rendered) -> std::io::Result<()> {
     let mut part = tempfile::NamedTempFile::new_in(folder)?;
     std::io::Write::write_all(&mut part, &bytes)?;
     part.persist(file)?;
-    prune(folder, MAX_CACHE_BYTES)
+    prune(folder, "f64", MAX_CACHE_BYTES)
 }
 
 /// Most bytes that are kept.
 const MAX_CACHE_BYTES: u64 = 1 << 30;
 
-/// Removes the files that were written first until the others are no more than `most` bytes.
-fn prune(folder: &Path, most: u64) -> std::io::Result<()> {
+/// Removes the files of an extension that were written first until the others are no more than `most` bytes.
+pub(crate) fn prune(folder: &Path, extension: &str, most: u64) -> std::io::Result<()> {
     let mut files = Vec::new();
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
         let metadata = entry.metadata()?;
-        if metadata.is_file() && entry.path().extension().is_some_and(|it| it == "f64") {
+        if metadata.is_file() && entry.path().extension().is_some_and(|it| it == extension) {
             files.push((metadata.modified()?, metadata.len(), entry.path()));
         }
     }
@@ -277,7 +277,7 @@ mod tests {
             opened.set_modified(time).unwrap();
         }
         let size = fs::metadata(&names[0]).unwrap().len();
-        prune(folder.path(), 2 * size).unwrap();
+        prune(folder.path(), "f64", 2 * size).unwrap();
         assert_eq!(names.map(|file| file.exists()), [false, true, true]);
     }
 }

@@ -5,13 +5,13 @@ use std::time::Instant;
 
 use glam::{DQuat, DVec3};
 use volgraph_gpu::Gpu;
-use volgraph_graph::Camera;
+use volgraph_graph::{Camera, Plan};
 use volgraph_picture::Picture;
 use volgraph_report::Findings;
 
 use super::accuracy::Errors;
 use super::measurement::Method;
-use super::stand::Stand;
+use super::stand::{Frames, Stand};
 use super::yardstick::Yardstick;
 use crate::scene::Scene;
 use crate::session::{Session, SessionOptions};
@@ -49,7 +49,7 @@ impl Ready {
     /// A session as it is.
     #[must_use]
     pub fn new(session: Session) -> Self {
-        let (camera, target) = (session.view().camera, middle(&session));
+        let (camera, target) = (session.view().camera, middle(session.plan()));
         Self {
             session,
             camera,
@@ -73,28 +73,22 @@ impl SessionStand<'_> {
     }
 }
 
-impl Stand for SessionStand<'_> {
+impl Frames for SessionStand<'_> {
     type Ready = Ready;
 
+    fn frame(&mut self, ready: &mut Ready, number: u32) -> Result<f64, Findings> {
+        let camera = turned(&ready.camera, ready.target, f64::from(number));
+        timed_frame(&mut ready.session, camera)
+    }
+}
+
+impl Stand for SessionStand<'_> {
     fn prepare(&mut self, method: &Method) -> Result<(Ready, Errors), Findings> {
         let mut session = self.session(method)?;
         let (picture, _) = session.render_checked()?;
         let errors = self.yardstick.errors(&picture)?;
         (self.on_picture)(method, &picture, &errors)?;
         Ok((Ready::new(session), errors))
-    }
-
-    fn frame(&mut self, ready: &mut Ready, number: u32) -> Result<f64, Findings> {
-        let Ready {
-            session,
-            camera,
-            target,
-        } = ready;
-        session.place_camera(turned(camera, *target, f64::from(number)));
-        let start = Instant::now();
-        session.draw()?;
-        session.read("color")?;
-        Ok(start.elapsed().as_secs_f64() * 1e3)
     }
 
     fn bytes(&self, ready: &Ready) -> u64 {
@@ -107,6 +101,18 @@ impl Stand for SessionStand<'_> {
     fn seconds(&self) -> f64 {
         self.started.elapsed().as_secs_f64()
     }
+}
+
+/// Draws a frame and reads its colours back; milliseconds.
+///
+/// # Errors
+/// As [`Session::draw`].
+pub fn timed_frame(session: &mut Session, camera: Camera) -> Result<f64, Findings> {
+    session.place_camera(camera);
+    let start = Instant::now();
+    session.draw()?;
+    session.read("color")?;
+    Ok(start.elapsed().as_secs_f64() * 1e3)
 }
 
 /// A camera that has gone so many degrees around a target, about its own up direction.
@@ -122,8 +128,8 @@ pub fn turned(camera: &Camera, target: DVec3, degrees: f64) -> Camera {
 
 /// The middle of everything drawn, around which the camera turns.
 #[must_use]
-pub fn middle(session: &Session) -> DVec3 {
-    let corners = session.plan().corners();
+pub fn middle(plan: &Plan) -> DVec3 {
+    let corners = plan.corners();
     let sum: DVec3 = corners.iter().sum();
     if corners.is_empty() {
         sum

@@ -5,22 +5,25 @@ use volgraph_report::Findings;
 use super::accuracy::Errors;
 use super::measurement::Method;
 
-/// What methods are measured on.
-pub trait Stand {
+/// What draws frames.
+pub trait Frames {
     /// A method that is ready to draw.
     type Ready;
-
-    /// Makes a method ready, draws the graph's own view by it, and says how wrong it is.
-    ///
-    /// # Errors
-    /// Why the scene refuses the method.
-    fn prepare(&mut self, method: &Method) -> Result<(Self::Ready, Errors), Findings>;
 
     /// Draws the frame of a number, 1 or more; milliseconds. Equal numbers are equal views.
     ///
     /// # Errors
     /// What the device refused.
     fn frame(&mut self, ready: &mut Self::Ready, number: u32) -> Result<f64, Findings>;
+}
+
+/// What methods are measured on.
+pub trait Stand: Frames {
+    /// Makes a method ready, draws the graph's own view by it, and says how wrong it is.
+    ///
+    /// # Errors
+    /// Why the scene refuses the method.
+    fn prepare(&mut self, method: &Method) -> Result<(Self::Ready, Errors), Findings>;
 
     /// Bytes that it takes on the device.
     fn bytes(&self, ready: &Self::Ready) -> u64;
@@ -35,7 +38,7 @@ pub type Times = Result<Vec<f64>, Findings>;
 /// Draws these frames by each of the methods, one of each in a round: the first to the last, then the last to the first.
 /// Gives their times in milliseconds in the order of the methods; a method that fails is not drawn again. `goes_on` is
 /// asked after each round.
-pub fn alternate<S: Stand>(
+pub fn alternate<S: Frames>(
     stand: &mut S,
     methods: &mut [&mut S::Ready],
     frames: std::ops::Range<u32>,

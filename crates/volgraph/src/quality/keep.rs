@@ -13,12 +13,19 @@ use volgraph_shader::{ParamValue, check_file};
 use super::Chosen;
 use crate::methods::{Method, Setting, TruthKind};
 use crate::scene::Scene;
+use crate::truth::prune;
+
+/// Changes with how choices are made, so that older ones are made again.
+const REVISION: u32 = 2;
+
+/// Most bytes of all choices.
+const MAX_KEPT_BYTES: u64 = 4 << 20;
 
 /// Files are at most this long.
 const MAX_BYTES: u64 = 64 << 10;
 
 /// Of all that a choice depends on: what each node does in the graph's own view, the choices that there are of what is
-/// chosen, what is set by name, the budget, the adapter and volgraph itself.
+/// chosen, what is set by name, the budget, the adapter, what plans may ask of it, and volgraph itself.
 pub(super) fn digest(
     scene: &Scene,
     plan: &Plan,
@@ -28,6 +35,8 @@ pub(super) fn digest(
 ) -> String {
     let mut hasher = Hasher::new();
     hasher.part(env!("CARGO_PKG_VERSION").as_bytes());
+    hasher.part(&REVISION.to_le_bytes());
+    hasher.part(format!("{:?}", plan.limits).as_bytes());
     hasher.part(gpu.adapter().to_string().as_bytes());
     hasher.part(format!("{budget:?} {:?}", scene.overrides.params).as_bytes());
     for fingerprint in plan.fingerprints(&plan.view()).values() {
@@ -66,6 +75,7 @@ impl Kept {
             truth: self.truth,
             tried: self.tried,
             is_kept: true,
+            overruled: Vec::new(),
         }
     }
 }
@@ -96,7 +106,7 @@ pub(super) fn write(file: &Path, chosen: &Chosen) -> std::io::Result<()> {
     let mut part = tempfile::NamedTempFile::new_in(folder)?;
     std::io::Write::write_all(&mut part, text.to_string().as_bytes())?;
     part.persist(file)?;
-    Ok(())
+    prune(folder, "json", MAX_KEPT_BYTES)
 }
 
 pub(super) fn read(file: &Path) -> Option<Kept> {

@@ -49,9 +49,19 @@ fn errors_of(rmse: f64) -> Errors {
     }
 }
 
-impl Stand for Fake {
+impl Frames for Fake {
     type Ready = Method;
 
+    fn frame(&mut self, ready: &mut Method, number: u32) -> Result<f64, Findings> {
+        self.log.borrow_mut().push((ready.to_string(), number));
+        // Each second slows the machine down by a tenth.
+        let time = 10.0 / Self::value(ready, "step") * (1.0 + 0.1 * self.clock);
+        self.clock += 1e-3 * time;
+        Ok(time)
+    }
+}
+
+impl Stand for Fake {
     fn prepare(&mut self, method: &Method) -> Result<(Method, Errors), Findings> {
         let (step, bad) = (Self::value(method, "step"), Self::value(method, "bad"));
         let worse = Self::value(method, "worse");
@@ -60,14 +70,6 @@ impl Stand for Fake {
         }
         self.prepared += 1;
         Ok((method.clone(), errors_of(1e-3 * step * step * bad * worse)))
-    }
-
-    fn frame(&mut self, ready: &mut Method, number: u32) -> Result<f64, Findings> {
-        self.log.borrow_mut().push((ready.to_string(), number));
-        // Each second slows the machine down by a tenth.
-        let time = 10.0 / Self::value(ready, "step") * (1.0 + 0.1 * self.clock);
-        self.clock += 1e-3 * time;
-        Ok(time)
     }
 
     fn bytes(&self, _ready: &Method) -> u64 {
