@@ -20,7 +20,7 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
     let gpu = Arc::new(Gpu::open(&options.adapter)?);
     let mut session = Session::start(scene, gpu, &options)?;
     let first = *session.view();
-    let target = middle(&session);
+    let target = middle(session.plan());
     let mut frame_ms = Vec::new();
     let mut gpu_ms: Vec<f64> = Vec::new();
     let mut last = None;

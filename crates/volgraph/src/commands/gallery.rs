@@ -158,7 +158,7 @@ fn draw(args: &GalleryArgs, graph: &ReadyGraph, gpu: &Arc<Gpu>) -> Result<Shown,
     let (picture, report) = session.render()?;
     let first_ms = start.elapsed().as_secs_f64() * 1e3;
     output::report_warnings(&report.hazards);
-    let (camera, target) = (session.view().camera, middle(&session));
+    let (camera, target) = (session.view().camera, middle(session.plan()));
     let mut frames = Vec::new();
     for frame in 1..=args.frames.max(1) {
         // A frame from the same place would be remembered, and not drawn.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use volgraph_gpu::Gpu;
 use volgraph_graph::Camera;
 use volgraph_picture::Picture;
@@ -12,6 +12,7 @@ use volgraph_report::Findings;
 use super::accuracy::Errors;
 use super::measurement::Method;
 use super::stand::Stand;
+use super::turn::{middle, turned};
 use super::yardstick::Yardstick;
 use crate::scene::Scene;
 use crate::session::{Session, SessionOptions};
@@ -49,7 +50,7 @@ impl Ready {
     /// A session as it is.
     #[must_use]
     pub fn new(session: Session) -> Self {
-        let (camera, target) = (session.view().camera, middle(&session));
+        let (camera, target) = (session.view().camera, middle(session.plan()));
         Self {
             session,
             camera,
@@ -106,28 +107,5 @@ impl Stand for SessionStand<'_> {
 
     fn seconds(&self) -> f64 {
         self.started.elapsed().as_secs_f64()
-    }
-}
-
-/// A camera that has gone so many degrees around a target, about its own up direction.
-#[must_use]
-pub fn turned(camera: &Camera, target: DVec3, degrees: f64) -> Camera {
-    let turn = DQuat::from_axis_angle(camera.up, degrees.to_radians());
-    let mut turned = *camera;
-    turned.eye = target + turn * (camera.eye - target);
-    turned.right = turn * camera.right;
-    turned.forward = turn * camera.forward;
-    turned
-}
-
-/// The middle of everything drawn, around which the camera turns.
-#[must_use]
-pub fn middle(session: &Session) -> DVec3 {
-    let corners = session.plan().corners();
-    let sum: DVec3 = corners.iter().sum();
-    if corners.is_empty() {
-        sum
-    } else {
-        sum / corners.len() as f64
     }
 }

@@ -18,7 +18,7 @@ use volgraph_shader::ParamValue;
 use super::Chosen;
 use crate::methods::{
     Axis, FINE_STEP, Method, MethodSpace, Ready, SessionStand, Setting, TruthKind, Yardstick,
-    alternate, turned,
+    alternate, middle, turned,
 };
 use crate::overrides::ParamOverride;
 use crate::scene::Scene;
@@ -272,8 +272,7 @@ impl<'a> Trial<'a> {
         let shaders = self.scene.shader_library(self.gpu.capabilities());
         let limits = self.small.limits(self.gpu);
         let small = self.scene.plan(&shaders, &limits, self.small.size, false)?;
-        let corners = plan.corners();
-        let target = corners.iter().sum::<glam::DVec3>() / corners.len().max(1) as f64;
+        let target = middle(plan);
         let own = small.view();
         let tolerance = match budget {
             Budget::Rmse(rmse) => (1e-2 * rmse).clamp(1e-8, 1e-5),
