@@ -55,7 +55,9 @@ mod render;
 mod run;
 mod scenes;
 mod settings;
+mod stored_picture;
 mod timing;
+mod values;
 
 use std::path::{Path, PathBuf};
 
