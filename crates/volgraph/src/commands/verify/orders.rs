@@ -220,6 +220,9 @@ fn text(studies: &[Study], skipped: &[Skipped]) -> String {
 
 fn of_quantity(quantity: &Quantity, study: &Study) -> String {
     let mut text = format!("  {}: {}\n", quantity.name, verdict(quantity));
+    if quantity.convergence.points.is_empty() {
+        return text;
+    }
     if let Some(floor) = quantity.convergence.floor {
         let _ = writeln!(
             text,
