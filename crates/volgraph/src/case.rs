@@ -43,6 +43,7 @@ mod choice;
 mod expectations;
 mod figures;
 mod files;
+mod find;
 mod invariance;
 mod kinds;
 mod measure;
@@ -55,14 +56,17 @@ mod render;
 mod run;
 mod scenes;
 mod settings;
+mod stored_picture;
 mod timing;
+mod values;
 
 use std::path::{Path, PathBuf};
 
 use volgraph_graph::{CameraDesc, SourceDesc};
 use volgraph_report::Place;
 
-pub use files::{CaseReport, RunOptions, assert_folder, assert_folder_with, find, run_files};
+pub use files::{CaseReport, RunOptions, assert_folder, assert_folder_with, run_files};
+pub use find::find;
 pub use kinds::{Area, Axis, ExpectationKind, OrderAgainst, Other, Param, PictureBound, Values};
 pub use outcome::{Curve, Outcome, Shown, Verdict};
 pub use points::{Point, Unswept};
@@ -171,10 +175,13 @@ pub struct Expectation {
     pub place: Place,
 }
 
-/// Whether a RON file's fields are a case's: it has the field `test`.
+/// The fields that only cases have.
+const OWN_FIELDS: [&str; 2] = ["test", "expect"];
+
+/// Whether a RON file's fields are a case's: it has the field `test`, or `expect` where that was forgotten.
 #[must_use]
 pub fn is_case<'n>(fields: impl IntoIterator<Item = &'n str>) -> bool {
-    fields.into_iter().any(|name| name == "test")
+    fields.into_iter().any(|name| OWN_FIELDS.contains(&name))
 }
 
 /// The path that a case in `file` means by a graph's or a picture's name.

@@ -19,14 +19,16 @@ mod stand;
 mod survey;
 #[cfg(test)]
 mod tests;
+mod turn;
 mod yardstick;
 
 pub use accuracy::{Errors, core_pixels, errors};
 pub use filter::{Filter, parse_filters};
 pub use front::{front, near_front};
 pub use measurement::{Measurement, Method, Setting};
-pub use session_stand::{OnPicture, Ready, SessionStand, middle, timed_frame, turned};
+pub use session_stand::{OnPicture, Ready, SessionStand, timed_frame};
 pub use space::{Axis, MethodSpace, raycast_node};
 pub use stand::{Frames, Stand, Times, alternate};
 pub use survey::{Survey, SurveyOptions, SurveyProgress, survey};
+pub use turn::{middle, turned};
 pub use yardstick::{FINE_STEP, TruthKind, Yardstick, fine_method, is_uncovered};

@@ -4,7 +4,7 @@
 //! its scene allows (`limits`). A study halves one thing ([`Axis`]) and draws each picture: `step`, `grid` and
 //! `pixel`. Errors are taken against the float64 truth where it covers the graph, else between one picture and the
 //! next ([`Against`]), of colour, depth and normal (`errors`). [`Convergence`] says which of them tell an order and
-//! which it is, and [`Quantity`] whether it holds.
+//! which it is, and [`Verdict`] whether it holds: what is not told, for a reason ([`Untold`]), does not.
 
 mod declared;
 mod errors;
@@ -14,6 +14,7 @@ mod pixel;
 mod step;
 mod stock;
 mod target;
+mod verdict;
 
 use serde::Serialize;
 use volgraph_measure::Convergence;
@@ -25,6 +26,7 @@ pub use declared::Declared;
 pub use limits::SceneLimit;
 pub use stock::{STOCK, Stock, stock_for};
 pub use target::{Target, integral_truth, slot_settings};
+pub use verdict::{Untold, Verdict};
 
 /// What is halved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -140,44 +142,21 @@ pub struct Quantity {
     pub expected: Option<f64>,
     /// Whether it holds.
     pub verdict: Verdict,
+    /// Why no order is told, where none is and the quantity is not exact either.
+    pub untold: Option<Untold>,
 }
 
-/// What a measured order is to a declared one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Verdict {
-    /// Nothing is declared.
-    Reported,
-    /// It is as declared.
-    Holds,
-    /// It is higher than declared.
-    Higher,
-    /// Only floor was met: exact, as far as can be told.
-    Exact,
-    /// It is below.
-    Below,
-    /// Too few points tell it.
-    Untold,
-}
-
-impl Verdict {
-    fn of(convergence: &Convergence, expected: Option<f64>, tolerance: f64) -> Self {
-        let Some(expected) = expected else {
-            return Self::Reported;
-        };
-        match convergence.order {
-            _ if convergence.is_exact => Self::Exact,
-            None => Self::Untold,
-            Some(order) if order < expected - tolerance => Self::Below,
-            Some(order) if order > expected + tolerance => Self::Higher,
-            Some(_) => Self::Holds,
-        }
-    }
-
-    /// Whether it speaks against the graph.
+impl Quantity {
+    /// The order in words, or why there is none.
     #[must_use]
-    pub fn is_failure(self) -> bool {
-        matches!(self, Self::Below | Self::Untold)
+    pub fn order_said(&self) -> String {
+        match (self.convergence.order, self.untold) {
+            (Some(order), _) => format!("order {order:.2}"),
+            (None, Some(Untold::Absent)) => "in no pixel".to_owned(),
+            (None, Some(Untold::Unchanged)) => "the same in all pictures".to_owned(),
+            (None, Some(Untold::TooFew)) => "too few points for an order".to_owned(),
+            (None, None) => "exact to the floor".to_owned(),
+        }
     }
 }
 
@@ -210,9 +189,9 @@ pub fn orders(
             continue;
         }
         let study = match axis {
-            Axis::Step => step::study(target, session, options, tell).map(Ok),
+            Axis::Step => step::study(target, session, options, tell),
             Axis::Grid => grid::study(target, session, options, tell),
-            Axis::Pixel => pixel::study(session, options, tell).map(Ok),
+            Axis::Pixel => pixel::study(session, options, tell),
         };
         match study? {
             Ok(study) => studies.push(study),

@@ -24,14 +24,14 @@ pub struct VerifyArgs {
     /// The graph and its changes.
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Measure orders of convergence: in the step, the grid of analytic sources, the pixel.
+    /// Measure orders of convergence: in the step, the grid of analytic sources, the pixel. Axes that are named and cannot
+    /// be measured fail; without names it is the step, and the grid where it can be.
     #[arg(
         long,
         value_name = "AXES",
         num_args = 0..=1,
         require_equals = true,
         value_delimiter = ',',
-        default_missing_value = "step,grid",
     )]
     pub orders: Option<Vec<AxisArg>>,
     /// Choose for a slot of every raycast: a name, or a path that ends in .wgsl; may be given again.
@@ -44,18 +44,19 @@ pub struct VerifyArgs {
     /// The coarsest step in voxels; chosen by the volume's size where it is not given.
     #[arg(long, value_name = "STEP", value_parser = parse_step)]
     pub from: Option<f64>,
-    /// How often the step is halved.
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(4..=12))]
-    pub halvings: u32,
-    /// How far below the declared order the measured one may be.
-    #[arg(long, value_name = "ORDER", default_value = "0.15", value_parser = super::parse_bound)]
-    pub tolerance_order: f64,
+    /// How often the step is halved: 4 to 12 times, 4 by default.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=12))]
+    pub halvings: Option<u32>,
+    /// How far below the declared order the measured one may be: 0.15 by default.
+    #[arg(long, value_name = "ORDER", value_parser = super::parse_bound)]
+    pub tolerance_order: Option<f64>,
     /// Hold against this order in the step, whatever is declared.
     #[arg(long, value_name = "ORDER", value_parser = super::parse_bound)]
     pub expect: Option<f64>,
     /// An error that stands still below this has met rounding or tables; higher up that counts against the method.
-    #[arg(long, value_name = "ERROR", default_value = "2e-5", value_parser = super::parse_bound)]
-    pub floor: f64,
+    /// 2e-5 by default.
+    #[arg(long, value_name = "ERROR", value_parser = super::parse_bound)]
+    pub floor: Option<f64>,
     /// Draw a plot for each study into this folder, as .svg.
     #[arg(long, value_name = "FOLDER")]
     pub svg: Option<PathBuf>,

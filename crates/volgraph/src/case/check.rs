@@ -3,6 +3,7 @@
 use volgraph_graph::{GraphDesc, is_embedded, read};
 use volgraph_report::{Finding, Findings, Place};
 
+use super::kinds::Area;
 use super::{Case, CaseOptions, Expectation, ExpectationKind, GraphName, Set, Sweep};
 use crate::overrides::unknown;
 use crate::{embedded, scene};
@@ -55,9 +56,20 @@ impl Case {
                 ExpectationKind::Pixel { at: Some(at), .. } => {
                     findings.extend(self.outside(*at, expectation));
                 }
-                ExpectationKind::Uniform {
-                    within: Some(area), ..
-                } => findings.extend(self.outside(area.last, expectation)),
+                ExpectationKind::Uniform { within, values, .. } => {
+                    let area = within.unwrap_or(self.whole());
+                    findings.extend(self.outside(area.last, expectation));
+                    if values.is_empty() && area.first == area.last {
+                        findings.push(
+                            Finding::error(
+                                "bad-value",
+                                "this expectation cannot fail: one pixel is as itself",
+                            )
+                            .at(expectation.place.clone())
+                            .help("give the value, `color: (r, g, b, a)`, or a larger area"),
+                        );
+                    }
+                }
                 ExpectationKind::Rolled {
                     quarters: 1 | 3, ..
                 } if self.size[0] != self.size[1] => {
@@ -95,6 +107,14 @@ impl Case {
             );
         }
         findings
+    }
+
+    /// All of its pictures.
+    pub(super) fn whole(&self) -> Area {
+        Area {
+            first: [0, 0],
+            last: self.size.map(|side| side.saturating_sub(1)),
+        }
     }
 
     fn outside(&self, at: [u32; 2], expectation: &Expectation) -> Option<Finding> {

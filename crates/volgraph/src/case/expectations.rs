@@ -1,17 +1,17 @@
-//! Reads what a case expects.
+//! Reads what a case expects: the kinds, here, and the [`fields`] that they have.
+
+mod fields;
 
 use volgraph_report::ron_text::{Entry, Fields, Value};
 use volgraph_report::{Finding, Findings, Place, did_you_mean};
 
-use super::kinds::{Area, Axis, OrderAgainst, Other, Param, PictureBound, Values};
+use super::kinds::{Axis, OrderAgainst, Other, PictureBound};
 use super::read::{Reader, missing};
 use super::{Expectation, ExpectationKind, beside, one_line};
+use fields::{bound, required};
 
 /// Most expectations of a case: each costs pictures.
 const MAX_EXPECTATIONS: usize = 64;
-
-/// Most halvings: steps beyond them are lost in f32.
-const MAX_HALVINGS: u32 = 8;
 
 /// Most pairs of frames that are timed.
 const MAX_FRAMES: u32 = 1000;
@@ -102,15 +102,15 @@ impl Reader<'_> {
         Some(match name {
             "finite" => ExpectationKind::Finite,
             "seen" => {
-                let at_least = fields.read(findings, "at_least", share);
+                let at_least = fields.read(findings, "at_least", fields::least_share);
                 ExpectationKind::Seen {
                     at_least: at_least.unwrap_or(0.01),
                 }
             }
             "pixel" => pixel(fields, findings, value)?,
             "uniform" => {
-                let within = fields.read(findings, "within", area);
-                let values = values(fields, findings);
+                let within = fields.read(findings, "within", fields::area);
+                let values = fields::values(fields, findings);
                 let max = bound(fields, findings, "max", value)?;
                 ExpectationKind::Uniform {
                     within,
@@ -125,7 +125,7 @@ impl Reader<'_> {
                 max: bound(fields, findings, "max", value)?,
             },
             "mirrored" => {
-                let axis = fields.read(findings, "axis", axis);
+                let axis = fields.read(findings, "axis", fields::axis);
                 let (max, except) = max_except(fields, findings, value)?;
                 ExpectationKind::Mirrored {
                     axis: axis.unwrap_or(Axis::X),
@@ -159,17 +159,12 @@ impl Reader<'_> {
             }
             "differs" => {
                 let other = self.other(fields, findings, value, "set");
-                let rmse = bound(fields, findings, "rmse", value);
-                if rmse == Some(0.0) {
-                    let finding = value.error("bad-value", "a least error of 0 cannot fail");
-                    findings
-                        .push(finding.help("give the least error that can be seen, such as 0.01"));
-                }
+                let rmse = required(fields, findings, "rmse", value, "0.01", fields::least_error);
                 ExpectationKind::Differs { other, rmse: rmse? }
             }
             "reference" => {
-                let rmse = fields.read(findings, "rmse", positive);
-                let max = fields.read(findings, "max", positive);
+                let rmse = fields.read(findings, "rmse", fields::positive);
+                let max = fields.read(findings, "max", fields::positive);
                 if rmse.is_none() && max.is_none() && !findings.has_errors() {
                     findings.push(missing(
                         value,
@@ -181,7 +176,7 @@ impl Reader<'_> {
             }
             "not_slower" => {
                 let than = self.other(fields, findings, value, "than");
-                let ratio = bound(fields, findings, "ratio", value);
+                let ratio = required(fields, findings, "ratio", value, "1.5", fields::positive);
                 let frames = fields.read(findings, "frames", |value| match value.u32()? {
                     frames @ 3..=MAX_FRAMES => Ok(frames),
                     _ => Err(value.error(
@@ -251,13 +246,12 @@ impl Reader<'_> {
             findings.push(missing(value, "file", "add `file: \"refs/name.png\"`"));
         }
         let mut bounds = Vec::new();
-        for (name, make) in [
-            ("flip", PictureBound::Flip as fn(f64) -> PictureBound),
-            ("rmse", PictureBound::Rmse),
-            ("max", PictureBound::Max),
-        ] {
-            bounds.extend(fields.read(findings, name, positive).map(make));
-        }
+        let flip = fields.read(findings, "flip", fields::flip);
+        bounds.extend(flip.map(PictureBound::Flip));
+        let rmse = fields.read(findings, "rmse", fields::positive);
+        bounds.extend(rmse.map(PictureBound::Rmse));
+        let max = fields.read(findings, "max", fields::positive);
+        bounds.extend(max.map(PictureBound::Max));
         if bounds.len() != 1 && !findings.has_errors() {
             findings.push(missing(
                 value,
@@ -277,10 +271,10 @@ fn pixel(
 ) -> Option<ExpectationKind> {
     let at = fields.take("at");
     let at = match &at {
-        Some(value) if value.text() != "centre" => findings.take(corner(value)),
+        Some(value) if value.text() != "centre" => findings.take(fields::corner(value)),
         _ => None,
     };
-    let values = values(fields, findings);
+    let values = fields::values(fields, findings);
     if values.is_empty() && !findings.has_errors() {
         findings.push(missing(
             value,
@@ -292,114 +286,17 @@ fn pixel(
     Some(ExpectationKind::Pixel { at, values, max })
 }
 
-fn values(fields: &mut Fields<'_>, findings: &mut Findings) -> Values {
-    Values {
-        color: fields.read(findings, "color", Value::f64s::<4>),
-        opacity: fields.read(findings, "opacity", Value::f64),
-        depth: fields.read(findings, "depth", Value::f64),
-    }
-}
-
-/// A pixel, `(x, y)`.
-fn corner(value: &Value<'_>) -> Result<[u32; 2], Finding> {
-    let numbers: Vec<u32> = value
-        .items()?
-        .iter()
-        .map(Value::u32)
-        .collect::<Result<_, _>>()?;
-    <[u32; 2]>::try_from(numbers).map_err(|_| {
-        value
-            .error(
-                "bad-value",
-                "a pixel is a column and a row, from the top left",
-            )
-            .help("write it as `(x, y)`, or `centre`")
-    })
-}
-
-/// Two corners, `((x, y), (x, y))`.
-fn area(value: &Value<'_>) -> Result<Area, Finding> {
-    let corners: Vec<[u32; 2]> = value
-        .items()?
-        .iter()
-        .map(corner)
-        .collect::<Result<_, _>>()?;
-    match corners.as_slice() {
-        &[first, last] if first[0] <= last[0] && first[1] <= last[1] => Ok(Area { first, last }),
-        _ => Err(value
-            .error(
-                "bad-value",
-                "an area is its top left and its bottom right pixel",
-            )
-            .help("write it as `((8, 8), (55, 55))`")),
-    }
-}
-
-fn axis(value: &Value<'_>) -> Result<Axis, Finding> {
-    match value.string()?.as_str() {
-        "x" => Ok(Axis::X),
-        "y" => Ok(Axis::Y),
-        "z" => Ok(Axis::Z),
-        _ => Err(value
-            .error("bad-value", "a mirror stands across an axis of the world")
-            .help("write \"x\", \"y\" or \"z\"")),
-    }
-}
-
-fn share(value: &Value<'_>) -> Result<f64, Finding> {
-    match value.f64()? {
-        share if (0.0..=1.0).contains(&share) => Ok(share),
-        _ => Err(value.error("bad-value", "a share of the pixels is 0 to 1")),
-    }
-}
-
-fn positive(value: &Value<'_>) -> Result<f64, Finding> {
-    match value.f64()? {
-        number if number >= 0.0 => Ok(number),
-        _ => Err(value.error("bad-value", "a bound is at least 0")),
-    }
-}
-
 /// `max`, and the share of pixels that it does not hold for.
 fn max_except(
     fields: &mut Fields<'_>,
     findings: &mut Findings,
     value: &Value<'_>,
 ) -> Option<(f64, f64)> {
-    let except = fields.read(findings, "except", share);
+    let except = fields.read(findings, "except", fields::excepted_share);
     Some((
         bound(fields, findings, "max", value)?,
         except.unwrap_or(0.0),
     ))
-}
-
-/// Node and parameter, `"image.step"`.
-fn param(fields: &mut Fields<'_>, findings: &mut Findings, value: &Value<'_>) -> Option<Param> {
-    let param = fields.read(findings, "param", |value| {
-        let text = value.string()?;
-        match text.split_once('.') {
-            Some((node, name)) if !node.is_empty() && !name.is_empty() => Ok(Param {
-                node: node.to_owned(),
-                name: name.to_owned(),
-                place: value.place(),
-            }),
-            _ => Err(value.error(
-                "bad-value",
-                "name a node and its parameter: `\"image.step\"`",
-            )),
-        }
-    });
-    if param.is_none() && !findings.has_errors() {
-        findings.push(missing(value, "param", "add `param: \"image.step\"`"));
-    }
-    param
-}
-
-fn start(fields: &mut Fields<'_>, findings: &mut Findings) -> Option<f64> {
-    fields.read(findings, "from", |value| match value.f64()? {
-        from if from > 0.0 => Ok(from),
-        _ => Err(value.error("bad-value", "what is halved is above 0")),
-    })
 }
 
 fn halving(
@@ -407,20 +304,18 @@ fn halving(
     findings: &mut Findings,
     value: &Value<'_>,
 ) -> Option<ExpectationKind> {
-    let param = param(fields, findings, value);
-    let from = start(fields, findings);
-    let times = fields.read(findings, "times", |value| match value.u32()? {
-        times @ 1..=MAX_HALVINGS => Ok(times),
-        _ => Err(value.error("bad-value", format!("halve 1 to {MAX_HALVINGS} times"))),
-    });
+    let param = fields::param(fields, findings, value);
+    let from = fields::start(fields, findings);
+    let times = fields.read(findings, "times", |value| fields::halvings(value, 1));
     let times = times.unwrap_or(2);
     let rmse = bound(fields, findings, "rmse", value);
-    let order = fields.read(findings, "order", |value| match value.f64()? {
-        order if order <= 0.0 => Err(value.error("bad-value", "an order is above 0")),
-        _ if times < 2 => Err(value
-            .error("bad-value", "an order takes two halvings")
-            .help("write `times: 2` or more")),
-        order => Ok(order),
+    let order = fields.read(findings, "order", |value| {
+        match fields::least_order(value)? {
+            _ if times < 2 => Err(value
+                .error("bad-value", "an order takes two halvings")
+                .help("write `times: 2` or more")),
+            order => Ok(order),
+        }
     });
     Some(ExpectationKind::Halving {
         param: param?,
@@ -436,12 +331,9 @@ fn order(
     findings: &mut Findings,
     value: &Value<'_>,
 ) -> Option<ExpectationKind> {
-    let param = param(fields, findings, value);
-    let from = start(fields, findings);
-    let halvings = fields.read(findings, "halvings", |value| match value.u32()? {
-        halvings @ 2..=MAX_HALVINGS => Ok(halvings),
-        _ => Err(value.error("bad-value", format!("halve 2 to {MAX_HALVINGS} times"))),
-    });
+    let param = fields::param(fields, findings, value);
+    let from = fields::start(fields, findings);
+    let halvings = fields.read(findings, "halvings", |value| fields::halvings(value, 2));
     let against = fields.read(findings, "against", |value| match value.text() {
         "successive" => Ok(OrderAgainst::Successive),
         "reference" => Ok(OrderAgainst::Reference),
@@ -449,7 +341,14 @@ fn order(
             .error("bad-value", format!("nothing is known of `{text}`"))
             .help_opt(did_you_mean(text, ["successive", "reference"]))),
     });
-    let at_least = bound(fields, findings, "at_least", value)?;
+    let at_least = required(
+        fields,
+        findings,
+        "at_least",
+        value,
+        "1.5",
+        fields::least_order,
+    )?;
     Some(ExpectationKind::Order {
         param: param?,
         from,
@@ -457,28 +356,4 @@ fn order(
         against: against.unwrap_or(OrderAgainst::Successive),
         at_least,
     })
-}
-
-/// A number of at least 0, which must be there.
-fn bound(
-    fields: &mut Fields<'_>,
-    findings: &mut Findings,
-    name: &'static str,
-    value: &Value<'_>,
-) -> Option<f64> {
-    let Some(given) = fields.take(name) else {
-        let number = if name == "ratio" || name == "at_least" {
-            "1.5"
-        } else {
-            "1e-4"
-        };
-        let help = format!("add `{name}: {number}` or another bound");
-        findings.push(missing(value, name, &help));
-        return None;
-    };
-    let number = findings.take(given.f64())?;
-    if number < 0.0 {
-        findings.push(given.error("bad-value", "a bound is at least 0"));
-    }
-    Some(number)
 }

@@ -2,24 +2,20 @@
 
 use std::collections::BTreeMap;
 
-use volgraph_measure::order;
+use volgraph_measure::{Convergence, order};
 use volgraph_picture::Picture;
 
 /// Below this root mean square error, f32 is all that two pictures differ by, and no order can be told.
 const ROUNDING: f64 = 1e-6;
 
-/// The order of convergence from the errors of one halving after the other: minus the slope of the line that fits
-/// their base-2 logarithms best. Errors from the first on that is no more than rounding tell nothing; `None` where fewer
-/// than two are left.
-pub(super) fn order_of(errors: &[f64]) -> Option<f64> {
-    let errors: Vec<f64> = errors
-        .iter()
-        .copied()
-        .take_while(|error| *error > ROUNDING)
-        .collect();
-    let steps: Vec<f64> = (0..errors.len())
-        .map(|halvings| 0.5_f64.powi(halvings as i32))
-        .collect();
+/// The order of convergence from errors at steps, the coarsest first: the slope of the line that fits the logarithms of
+/// those best that [`Convergence`] fits, without rounding and steps that are too coarse. Two points suffice, for a case says
+/// itself how often it halves; `None` where fewer are left.
+pub(super) fn order_of(points: &[(f64, f64)]) -> Option<f64> {
+    let (steps, errors): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
+    let study = Convergence::of(&steps, &errors, ROUNDING, ROUNDING);
+    let (steps, errors): (Vec<f64>, Vec<f64>) =
+        study.fitted().map(|it| (it.step, it.error)).unzip();
     order(&steps, &errors)
 }
 
@@ -52,13 +48,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_order_is_the_slope_of_the_errors_above_rounding() {
-        let rounded = |errors: &[f64]| order_of(errors).map(|order| (order * 1e6).round() / 1e6);
+    fn the_order_is_the_slope_of_the_errors_that_a_study_fits() {
+        let rounded = |errors: &[f64]| {
+            let steps = (0..errors.len()).map(|halvings| 0.5_f64.powi(halvings as i32));
+            let points: Vec<(f64, f64)> = steps.zip(errors.iter().copied()).collect();
+            order_of(&points).map(|order| (order * 1e6).round() / 1e6)
+        };
         assert_eq!(rounded(&[0.4, 0.1]), Some(2.0));
         assert_eq!(rounded(&[0.4, 0.2, 0.1, 0.05]), Some(1.0));
-        // One that wavers counts less among four: the slopes between neighbours are 1, 3, 2.
-        assert_eq!(rounded(&[0.64, 0.32, 0.04, 0.01]), Some(2.1));
+        // Rounding is left out, and all after it.
         assert_eq!(rounded(&[0.4, 0.1, 1e-7, 0.1]), Some(2.0));
+        // A first step that is too coarse is left out as well.
+        assert_eq!(rounded(&[0.41, 0.4, 0.1, 0.025]), Some(2.0));
         assert_eq!(rounded(&[0.1, 0.4]), Some(-2.0));
         for none in [&[0.4][..], &[0.4, 1e-7], &[]] {
             assert_eq!(rounded(none), None);

@@ -1,22 +1,14 @@
-//! Many cases: found in folders, run side by side, and as one test.
+//! Many cases: run side by side, and as one test.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use volgraph_report::ron_text::Document;
-use volgraph_report::{Finding, Findings, Place};
+use volgraph_report::Findings;
 
 use super::render::Devices;
-use super::{Case, CaseOptions, Outcome, is_case};
-
-/// Folders deeper than this are not searched.
-const MAX_DEPTH: usize = 64;
-
-/// Longer RON files are no cases.
-const MAX_BYTES: u64 = 64 << 10;
+use super::{Case, CaseOptions, Outcome, Verdict, find};
 
 /// How many cases are run.
 #[derive(Clone, Debug)]
@@ -69,76 +61,6 @@ impl CaseReport {
             _ => &[],
         }
     }
-}
-
-/// The case files that these paths name, sorted, each once: folders are searched for them, files must be some.
-///
-/// # Errors
-/// `io` for what is not there, `no-case` where there is none.
-pub fn find(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Findings> {
-    let mut findings = Findings::new();
-    let mut files = Vec::new();
-    for path in paths {
-        match fs::metadata(path) {
-            Ok(metadata) if metadata.is_dir() => search(path, 0, &mut files, &mut findings),
-            Ok(_) => files.push(path.clone()),
-            Err(error) => findings.push(unreadable(path, &error)),
-        }
-    }
-    let mut files: Vec<PathBuf> = files
-        .iter()
-        .map(|path| path.strip_prefix(".").unwrap_or(path).to_path_buf())
-        .collect();
-    files.sort();
-    files.dedup();
-    if files.is_empty() && !findings.has_errors() {
-        findings.push(
-            Finding::error("no-case", "there is no test case here").help(
-                "a case is a RON file with `test: 1`; `volgraph new technique NAME` writes one",
-            ),
-        );
-    }
-    findings.into_result(files)
-}
-
-fn search(folder: &Path, depth: usize, files: &mut Vec<PathBuf>, findings: &mut Findings) {
-    let entries = match fs::read_dir(folder) {
-        Ok(entries) => entries,
-        Err(error) => return findings.push(unreadable(folder, &error)),
-    };
-    for entry in entries.flatten() {
-        let path = entry.path();
-        let is_hidden = entry.file_name().to_string_lossy().starts_with('.');
-        // A linked folder may lead back to where it lies.
-        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
-        if is_folder && !is_hidden && depth < MAX_DEPTH {
-            search(&path, depth + 1, files, findings);
-        } else if !is_folder && is_case_file(&path) {
-            files.push(path);
-        }
-    }
-}
-
-/// Whether a file that a folder holds is a case. What is no RON at all cannot be told, and `volgraph check` tells it.
-fn is_case_file(file: &Path) -> bool {
-    let is_ron = file.extension().is_some_and(|extension| extension == "ron");
-    let is_short = fs::metadata(file).is_ok_and(|it| it.is_file() && it.len() <= MAX_BYTES);
-    if !is_ron || !is_short {
-        return false;
-    }
-    let Ok(text) = fs::read_to_string(file) else {
-        return false;
-    };
-    Document::parse(file, &text)
-        .map_err(Findings::from)
-        .and_then(|document| document.fields())
-        .is_ok_and(|fields| is_case(fields.iter().map(|field| field.name.as_str())))
-}
-
-fn unreadable(path: &Path, error: &std::io::Error) -> Finding {
-    Finding::error("io", format!("it cannot be read: {error}"))
-        .at(Place::whole_file(path))
-        .help("check that the path is right and that you may read it")
 }
 
 /// Runs the cases of these files, some side by side, and gives what became of each, in the order of the files. `told` is
@@ -194,7 +116,8 @@ pub fn run_files(
 /// Runs all cases below a folder on the best adapter: a `#[test]` in one line.
 ///
 /// # Panics
-/// With what failed, where anything did; also where there is no case.
+/// With what failed, where anything did; also where there is no case, and for a case of which nothing was run, such as one
+/// that only measures times where [`CaseOptions::timing`] is off.
 pub fn assert_folder(folder: impl AsRef<Path>) {
     assert_folder_with(folder, &RunOptions::default());
 }
@@ -204,37 +127,61 @@ pub fn assert_folder(folder: impl AsRef<Path>) {
 /// # Panics
 /// As [`assert_folder`].
 pub fn assert_folder_with(folder: impl AsRef<Path>, options: &RunOptions) {
+    let failed = match find(&[folder.as_ref().to_path_buf()]) {
+        Err(findings) => findings.to_string(),
+        Ok(files) => failures(&run_files(&files, options, &|_| {})),
+    };
+    assert!(failed.is_empty(), "shader tests failed:\n{failed}");
+}
+
+/// What a test must not pass with, a line or more each; empty where all is well.
+fn failures(reports: &[CaseReport]) -> String {
     let mut failed = String::new();
-    match find(&[folder.as_ref().to_path_buf()]) {
-        Err(findings) => failed += &findings.to_string(),
-        Ok(files) => {
-            let reports = run_files(&files, options, &|_| {});
-            for report in &reports {
-                let file = report.file.display();
-                match &report.result {
-                    Some(Err(findings)) => {
-                        failed += &format!("{file}: it cannot be run\n{findings}\n");
-                    }
-                    result => {
-                        let outcomes = result.iter().flatten().flatten();
-                        for outcome in outcomes.filter(|outcome| outcome.failed()) {
-                            let (name, detail) = (outcome.name(), &outcome.detail);
-                            failed += &format!("{file}: {name}: {detail}\n");
-                            if !outcome.findings.is_empty() {
-                                failed += &format!("{}\n", outcome.findings);
-                            }
-                        }
-                    }
-                }
+    for CaseReport { file, result, .. } in reports {
+        let file = file.display();
+        let outcomes = match result {
+            None => {
+                failed += &format!("{file}: not begun, after a failure\n");
+                continue;
             }
-            let looked_at = reports
-                .iter()
-                .map(|report| report.outcomes().len())
-                .sum::<usize>();
-            if failed.is_empty() && looked_at == 0 {
-                failed += "nothing was looked at: no expectation is selected";
+            Some(Err(findings)) => {
+                failed += &format!("{file}: it cannot be run\n{findings}\n");
+                continue;
+            }
+            Some(Ok(outcomes)) => outcomes,
+        };
+        let is_run = |outcome: &Outcome| outcome.verdict != Verdict::NotRun;
+        let is_left = !outcomes.iter().any(is_run);
+        if is_left && !outcomes.is_empty() {
+            failed += &format!("{file}: nothing of it was run\n");
+        }
+        for outcome in outcomes.iter().filter(|it| it.failed() || is_left) {
+            let (name, detail) = (outcome.name(), &outcome.detail);
+            failed += &format!("{file}: {name}: {detail}\n");
+            if !outcome.findings.is_empty() {
+                failed += &format!("{}\n", outcome.findings);
             }
         }
     }
-    assert!(failed.is_empty(), "shader tests failed:\n{failed}");
+    if reports.iter().all(|report| report.outcomes().is_empty()) && failed.is_empty() {
+        failed += "nothing was looked at: no expectation is selected";
+    }
+    failed
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    #[test]
+    #[should_panic(expected = "nothing of it was run")]
+    fn a_case_that_was_not_run_has_not_passed() {
+        let folder = tempfile::tempdir().unwrap();
+        let text =
+            "(test: 1, scene: \"fog\", expect: [not_slower(than: [\"image.step=1\"], ratio: 2)])";
+        fs::write(folder.path().join("timed.ron"), text).unwrap();
+        assert_folder(folder.path());
+    }
 }

@@ -9,7 +9,7 @@ use volgraph_measure::compare_without_flip;
 use super::outcome::Measured;
 use crate::Picture;
 
-/// The error that only a share of the pixels pass, of two pictures: at 0 the largest.
+/// The error that only a share of the pixels pass, of two pictures: at 0 the largest. `except` is below 1.
 pub(super) fn agree(a: &Picture, b: &Picture, max: f64, except: f64) -> Measured {
     if let Err(error) = compare_without_flip(a, b) {
         return Measured::new(false, None, error.to_string());
@@ -29,7 +29,8 @@ pub(super) fn agree(a: &Picture, b: &Picture, max: f64, except: f64) -> Measured
         reason = "a share of 0 to 1 of a length"
     )]
     let left_out = (except * errors.len() as f64) as usize;
-    let figure = errors.get(left_out).copied().unwrap_or_default();
+    // Where all are left out, nothing was held to anything.
+    let figure = errors.get(left_out).copied().unwrap_or(f64::INFINITY);
     let mut measured = Measured::at_most("max", figure, max);
     if left_out > 0 {
         measured.detail += &format!(

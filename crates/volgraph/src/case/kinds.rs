@@ -79,7 +79,8 @@ pub enum ExpectationKind {
         /// Largest error allowed between the last two pictures.
         rmse: f64,
         /// Least order of convergence p allowed, the error falling as step to the p: from a line fitted through the
-        /// base-2 logarithms of the errors above those of f32; not looked at where fewer than two are.
+        /// logarithms of the errors that [`Convergence`](volgraph_measure::Convergence) fits; not looked at where fewer
+        /// than two are.
         order: Option<f64>,
     },
     /// The picture converges so fast as a parameter is halved.

@@ -1,15 +1,13 @@
 //! Measures what an expectation speaks of.
 
-use std::path::Path;
 use std::sync::Arc;
 
-use volgraph_measure::{Comparison, MeasureError, compare, compare_without_flip};
-use volgraph_picture::SaveOptions;
-use volgraph_report::{Finding, Findings, Place};
+use volgraph_measure::{Comparison, MeasureError, compare_without_flip};
+use volgraph_report::{Finding, Findings};
 
 use super::figures::{not_finite, seen};
 use super::invariance::{agree, mirrored, rolled, stored};
-use super::kinds::{Area, PictureBound, Values};
+use super::kinds::Area;
 use super::outcome::{Measured, Shown};
 use super::reference;
 use super::render::{Rendered, Request, Treatment};
@@ -48,11 +46,8 @@ impl Run<'_> {
                 max,
             } => {
                 let own = self.own(point, &[])?;
-                let whole = Area {
-                    first: [0, 0],
-                    last: [own.picture.width - 1, own.picture.height - 1],
-                };
-                self.values(&own, within.unwrap_or(whole), values, *max, expectation)
+                let area = within.unwrap_or(self.renderer.case.whole());
+                self.values(&own, area, values, *max, expectation)
             }
             ExpectationKind::StagesAgree { max } => {
                 let fragment = self.stage("fragment", expectation)?;
@@ -161,67 +156,6 @@ impl Run<'_> {
         Ok(worst_of(&pictures, max))
     }
 
-    /// The largest error of an area's pixels against values that are given, or against its first pixel.
-    fn values(
-        &self,
-        own: &Rendered,
-        area: Area,
-        values: &Values,
-        max: f64,
-        expectation: &Expectation,
-    ) -> Result<Measured, Findings> {
-        let picture = &own.picture;
-        let mut values = *values;
-        if values.is_empty() {
-            let first = picture.pixel(area.first[0], area.first[1]);
-            values.color = first.map(|color| color.map(f64::from));
-        }
-        let layer = |layer: Option<&Vec<f32>>, name: &str| {
-            layer.cloned().ok_or_else(|| {
-                let message = format!("the picture has no {name}");
-                Finding::error("no-layer", message)
-                    .at(expectation.place.clone())
-                    .help("the node of the output `color` has to have it: a raycast does")
-            })
-        };
-        let opacity = match values.opacity {
-            Some(expected) => Some((expected, layer(picture.opacity.as_ref(), "opacity")?)),
-            None => None,
-        };
-        let depth = match values.depth {
-            Some(expected) => Some((expected, layer(picture.depth.as_ref(), "depth")?)),
-            None => None,
-        };
-        let mut worst = (0.0_f64, String::new());
-        let mut look = |what: &str, x: u32, y: u32, seen: f32, expected: f64| {
-            let error = (f64::from(seen) - expected).abs();
-            // What is no number is worse than anything.
-            let error = if error.is_nan() { f64::INFINITY } else { error };
-            if error > worst.0 || worst.1.is_empty() {
-                worst = (error, format!("{what} {seen} for {expected} at ({x}, {y})"));
-            }
-        };
-        for y in area.first[1]..=area.last[1] {
-            for x in area.first[0]..=area.last[0] {
-                let at = y as usize * picture.width as usize + x as usize;
-                if let (Some(expected), Some(color)) = (values.color, picture.pixel(x, y)) {
-                    for (at, what) in ["red", "green", "blue", "alpha"].iter().enumerate() {
-                        look(what, x, y, color[at], expected[at]);
-                    }
-                }
-                for (what, values) in [("opacity", &opacity), ("depth", &depth)] {
-                    if let Some((expected, seen)) = values {
-                        let seen = seen.get(at).copied().unwrap_or(f32::NAN);
-                        look(what, x, y, seen, *expected);
-                    }
-                }
-            }
-        }
-        let mut measured = Measured::at_most("max", worst.0, max);
-        measured.detail += &format!("; {}", worst.1);
-        Ok(measured.with([own.shown()]))
-    }
-
     /// The settings that run every node of the case's graph that can run in either stage in this one.
     fn stage(&self, stage: &str, expectation: &Expectation) -> Result<Vec<Set>, Findings> {
         let nodes = staged_nodes(&self.desc);
@@ -284,72 +218,6 @@ impl Run<'_> {
                 let place = || expectation.place.clone();
                 findings.into_iter().map(|it| it.or_at(place)).collect()
             })
-    }
-
-    fn stored_picture(
-        &self,
-        own: &Rendered,
-        file: &Path,
-        bound: PictureBound,
-        expectation: &Expectation,
-    ) -> Result<Measured, Findings> {
-        let told = |code, message: String, help: &str| {
-            Findings::from(
-                Finding::error(code, message)
-                    .at(expectation.place.clone())
-                    .help(help),
-            )
-        };
-        if self.renderer.options.bless {
-            let folder = file.parent().unwrap_or(Path::new(""));
-            let made = if folder.as_os_str().is_empty() {
-                Ok(())
-            } else {
-                std::fs::create_dir_all(folder)
-            };
-            let failed = |why: String| {
-                let message = format!("{} cannot be written: {why}", file.display());
-                told("io", message, "check that you may write there")
-            };
-            made.map_err(|error| failed(error.to_string()))?;
-            let saved = own.picture.save(file, SaveOptions::default());
-            let report = saved.map_err(|error| failed(error.to_string()))?;
-            let mut detail = format!("written to {}", file.display());
-            if report.nan_pixels > 0 {
-                detail += &format!("; {} pixels are not numbers", report.nan_pixels);
-            }
-            return Ok(Measured::new(report.nan_pixels == 0, None, detail).with([own.shown()]));
-        }
-        if !file.is_file() {
-            let message = format!("there is no picture {}", file.display());
-            return Err(told(
-                "missing-picture",
-                message,
-                "`volgraph test --bless` writes it: look at it before you keep it",
-            ));
-        }
-        let there = Picture::load(file).map_err(|error| {
-            Findings::from(Finding::error("picture", error.to_string()).at(Place::whole_file(file)))
-        })?;
-        let compared = match bound {
-            PictureBound::Flip(_) => compare(&own.picture, &there),
-            _ => compare_without_flip(&own.picture, &there),
-        };
-        let measured = match compared {
-            Err(error) => incomparable(&error),
-            Ok(comparison) => match bound {
-                PictureBound::Flip(bound) => {
-                    Measured::at_most("flip", comparison.flip.unwrap_or(f64::INFINITY), bound)
-                }
-                PictureBound::Rmse(bound) => Measured::at_most("rmse", comparison.rmse, bound),
-                PictureBound::Max(bound) => Measured::at_most("max", comparison.max.error, bound),
-            },
-        };
-        let stored = Shown {
-            name: file.display().to_string(),
-            picture: Arc::new(there),
-        };
-        Ok(measured.with([own.shown(), stored]))
     }
 }
 

@@ -57,7 +57,7 @@ impl Run<'_> {
         let mut detail = format!("rmse {}, at most {rmse:e}", series.shown());
         let (mut passed, mut figure) = (last <= rmse, Some((last, rmse)));
         if let Some(bound) = order {
-            match order_of(&errors) {
+            match order_of(&series.curve.points) {
                 None => detail += "; too near for an order",
                 Some(order) => {
                     detail += &format!("; order {order:.2}, at least {bound}");
@@ -95,7 +95,7 @@ impl Run<'_> {
             Err(measured) => return Ok(measured),
         };
         let errors = format!("rmse {}", series.shown());
-        let mut measured = match order_of(&series.errors()) {
+        let mut measured = match order_of(&series.curve.points) {
             None => Measured::new(
                 false,
                 None,

@@ -1,8 +1,5 @@
 //! Times of frames: two settings in turn, so that what else the machine does falls on both.
 
-use std::time::Instant;
-
-use glam::{DQuat, DVec3};
 use volgraph_measure::timing::ratio;
 use volgraph_report::Findings;
 
@@ -10,7 +7,8 @@ use super::measure::incomparable;
 use super::outcome::Measured;
 use super::run::Run;
 use super::{Other, Point};
-use crate::{Camera, Session};
+use crate::Session;
+use crate::methods::{middle, timed_frame, turned};
 
 /// Frames of each before those that count.
 const WARM_UP: u32 = 2;
@@ -30,9 +28,7 @@ impl Run<'_> {
         let (mut b, _) = self.renderer.session(&other)?;
         let (mut times_a, mut times_b) = (Vec::new(), Vec::new());
         for frame in 0..WARM_UP + frames {
-            // A frame from the same place would be remembered, and not drawn.
-            let degrees = f64::from(frame);
-            let (time_a, time_b) = (frame_ms(&mut a, degrees)?, frame_ms(&mut b, degrees)?);
+            let (time_a, time_b) = (frame_ms(&mut a)?, frame_ms(&mut b)?);
             if frame >= WARM_UP {
                 times_a.push(time_a);
                 times_b.push(time_b);
@@ -60,23 +56,8 @@ fn least(times: &[f64]) -> f64 {
     times.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
-fn frame_ms(session: &mut Session, degrees: f64) -> Result<f64, Findings> {
-    let camera = turned(session, degrees.min(1.0));
-    session.place_camera(camera);
-    let start = Instant::now();
-    session.draw()?;
-    session.read("color")?;
-    Ok(start.elapsed().as_secs_f64() * 1e3)
-}
-
-/// The camera a little farther around the middle of what is drawn.
-fn turned(session: &Session, degrees: f64) -> Camera {
-    let corners = session.plan().corners();
-    let middle = corners.iter().sum::<DVec3>() / corners.len().max(1) as f64;
-    let mut camera = session.view().camera;
-    let turn = DQuat::from_axis_angle(camera.up, degrees.to_radians());
-    camera.eye = middle + turn * (camera.eye - middle);
-    camera.right = turn * camera.right;
-    camera.forward = turn * camera.forward;
-    camera
+fn frame_ms(session: &mut Session) -> Result<f64, Findings> {
+    // A frame from the same place would be remembered, and not drawn: each is a degree farther on.
+    let (camera, target) = (session.view().camera, middle(session.plan()));
+    timed_frame(session, turned(&camera, target, 1.0))
 }

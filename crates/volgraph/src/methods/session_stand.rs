@@ -3,15 +3,16 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use volgraph_gpu::Gpu;
-use volgraph_graph::{Camera, Plan};
+use volgraph_graph::Camera;
 use volgraph_picture::Picture;
 use volgraph_report::Findings;
 
 use super::accuracy::Errors;
 use super::measurement::Method;
 use super::stand::{Frames, Stand};
+use super::turn::{middle, turned};
 use super::yardstick::Yardstick;
 use crate::scene::Scene;
 use crate::session::{Session, SessionOptions};
@@ -113,27 +114,4 @@ pub fn timed_frame(session: &mut Session, camera: Camera) -> Result<f64, Finding
     session.draw()?;
     session.read("color")?;
     Ok(start.elapsed().as_secs_f64() * 1e3)
-}
-
-/// A camera that has gone so many degrees around a target, about its own up direction.
-#[must_use]
-pub fn turned(camera: &Camera, target: DVec3, degrees: f64) -> Camera {
-    let turn = DQuat::from_axis_angle(camera.up, degrees.to_radians());
-    let mut turned = *camera;
-    turned.eye = target + turn * (camera.eye - target);
-    turned.right = turn * camera.right;
-    turned.forward = turn * camera.forward;
-    turned
-}
-
-/// The middle of everything drawn, around which the camera turns.
-#[must_use]
-pub fn middle(plan: &Plan) -> DVec3 {
-    let corners = plan.corners();
-    let sum: DVec3 = corners.iter().sum();
-    if corners.is_empty() {
-        sum
-    } else {
-        sum / corners.len() as f64
-    }
 }

@@ -102,12 +102,7 @@ pub(super) fn study(
     };
     let voxels = |times: u32| f64::from(first.longest() * times);
     let (least, most) = target.step_range;
-    let mut course = Course {
-        steps: Vec::new(),
-        looks: Vec::new(),
-        truth: None,
-        is_surface: declared.1 == "depth",
-    };
+    let (mut steps, mut looks) = (Vec::new(), Vec::new());
     for halving in 0..=halvings {
         let times = 1 << halving;
         tell("drawing", u64::from(halving), u64::from(halvings) + 1);
@@ -115,31 +110,33 @@ pub(super) fn study(
         let mut sets = dims(times);
         sets.extend(target.settings("step", step));
         let picture = draw(session, sets)?;
-        course.steps.push(1.0 / voxels(times));
-        course.looks.push(Look::from(&picture));
+        steps.push(1.0 / voxels(times));
+        looks.push(Look::from(&picture));
     }
     let mut sets = dims(TRUTH << halvings);
     // The truth's grid is trilinear, whatever reconstructs the coarser ones.
     let trilinear = [("reconstruct".to_owned(), "trilinear".to_owned())];
     sets.extend(slot_settings(session.scene(), &trilinear));
-    let against = match truth(session, &sets, options, tell)? {
-        Ok(rendered) => {
-            course.truth = Some(Look::from(&rendered));
-            Against::Reference
-        }
+    let (truth, against) = match truth(session, &sets, options, tell)? {
+        Ok(rendered) => (Look::from(&rendered), Against::Reference),
         Err(because) => {
-            course.truth = Some(Look::from(&draw(session, sets)?));
-            Against::Next {
-                because: format!(
-                    "{because}; the picture of a grid {TRUTH} times finer stands in for it"
-                ),
-            }
+            let finer = Look::from(&draw(session, sets)?);
+            let because =
+                format!("{because}; the picture of a grid {TRUTH} times finer stands in for it");
+            (finer, Against::Next { because })
         }
+    };
+    let course = Course {
+        steps,
+        looks,
+        truth: Some(truth),
+        against,
+        is_surface: declared.1 == "depth",
     };
     let (quantities, one_sided) = course.quantities(declared, &[], options);
     Ok(Ok(Study {
         axis: Axis::Grid,
-        against,
+        against: course.against,
         quantities,
         limits: Vec::new(),
         one_sided,

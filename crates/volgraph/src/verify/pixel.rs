@@ -13,16 +13,20 @@ use crate::{Change, Outcome, Session};
 /// No side of a picture is longer.
 const LONGEST_SIDE: u32 = 4096;
 
+/// The study, or why there is none.
 pub(super) fn study(
     session: &mut Session,
     options: &OrdersOptions,
     tell: Tell<'_>,
-) -> Result<Study, Findings> {
+) -> Result<Result<Study, String>, Findings> {
     let size = session.view().size;
     let mut course = Course {
         steps: Vec::new(),
         looks: Vec::new(),
         truth: None,
+        against: Against::Next {
+            because: "a reference of whole pixels would be of as many rays".to_owned(),
+        },
         is_surface: false,
     };
     for halving in 0..=options.halvings {
@@ -50,15 +54,19 @@ pub(super) fn study(
     session
         .apply(&Change::Size(size))
         .map_err(|refused| refused.findings)?;
+    if course.errors().0.is_empty() {
+        return Ok(Err(format!(
+            "pictures of twice {} × {} pixels have a side of more than {LONGEST_SIDE}",
+            size[0], size[1]
+        )));
+    }
     let (quantities, one_sided) = course.quantities((None, "colour"), &[], options);
-    Ok(Study {
+    Ok(Ok(Study {
         axis: Axis::Pixel,
-        against: Against::Next {
-            because: "a reference of whole pixels would be of as many rays".to_owned(),
-        },
+        against: course.against,
         quantities,
         limits: Vec::new(),
         one_sided,
         notes: Vec::new(),
-    })
+    }))
 }

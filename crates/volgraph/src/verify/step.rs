@@ -7,8 +7,8 @@ use volgraph_report::Findings;
 
 use super::errors::{Look, Measured};
 use super::{
-    Against, Axis, Declared, OrdersOptions, Quantity, SceneLimit, Study, Target, Tell, Verdict,
-    integral_truth, slot_settings,
+    Against, Axis, Declared, OrdersOptions, Quantity, SceneLimit, Study, Target, Tell, Untold,
+    Verdict, integral_truth, slot_settings,
 };
 use crate::{Change, Outcome, ParamOverride, Session};
 
@@ -68,7 +68,10 @@ pub(super) fn truth(
 pub(super) struct Course {
     pub steps: Vec<f64>,
     pub looks: Vec<Look>,
+    /// The truth, or what stands in for it; each is held against the next where it is `None`.
     pub truth: Option<Look>,
+    /// What the errors are taken against, in words.
+    pub against: Against,
     pub is_surface: bool,
 }
 
@@ -93,26 +96,22 @@ impl Course {
         (errors, one_sided)
     }
 
-    /// The convergence of one quantity of the first picture's.
-    fn convergence(
-        &self,
-        errors: &[Vec<Measured>],
-        name: &str,
-        highest: f64,
-    ) -> Option<Convergence> {
+    /// The convergence of one quantity of the first picture's; without points where that has none.
+    fn convergence(&self, errors: &[Vec<Measured>], name: &str, highest: f64) -> Convergence {
         let of_name = |step: &Vec<Measured>| step.iter().find(|it| it.name == name).copied();
         let measured: Vec<Measured> = errors.iter().map_while(of_name).collect();
-        let scale = measured.last()?.scale;
+        let scale = measured.last().map_or(1.0, |last| last.scale);
         let values: Vec<f64> = measured.iter().map(|it| it.error).collect();
-        Some(Convergence::of(
+        Convergence::of(
             &self.steps[..values.len()],
             &values,
             ROUNDING * scale,
             highest * scale,
-        ))
+        )
     }
 
-    /// All quantities, that named `of` held against what is declared.
+    /// All quantities, that named `of` held against what is declared: also where it is in no picture. Where
+    /// pictures that are held against each other are all the same, nothing was tested, and all is untold.
     pub(super) fn quantities(
         &self,
         declared: (Option<Declared>, &'static str),
@@ -121,17 +120,29 @@ impl Course {
     ) -> (Vec<Quantity>, f64) {
         let (errors, one_sided) = self.errors();
         let (declared, of) = declared;
+        let is_next = matches!(self.against, Against::Next { .. });
+        let is_still = is_next && errors.iter().flatten().all(|it| it.error == 0.0);
         let limit = limits
             .iter()
             .map(|it| it.order)
             .fold(f64::INFINITY, f64::min);
         let of_quantity = |name| {
-            let convergence = self.convergence(&errors, name, options.highest_floor)?;
+            let convergence = self.convergence(&errors, name, options.highest_floor);
             let declared = declared.clone().filter(|_| name == of);
+            if convergence.points.is_empty() && declared.is_none() {
+                return None;
+            }
             let expected = declared.as_ref().map(|it| it.order.min(limit));
+            let untold = Untold::of(&convergence, is_next);
+            let verdict = if is_still {
+                Verdict::Untold
+            } else {
+                Verdict::of(&convergence, untold, expected, options.tolerance)
+            };
             Some(Quantity {
                 name,
-                verdict: Verdict::of(&convergence, expected, options.tolerance),
+                verdict,
+                untold,
                 convergence,
                 declared,
                 expected,
@@ -155,12 +166,13 @@ pub(super) fn note_one_sided(share: f64) -> Option<String> {
     })
 }
 
+/// The study, or why there is none.
 pub(super) fn study(
     target: &Target,
     session: &mut Session,
     options: &OrdersOptions,
     tell: Tell<'_>,
-) -> Result<Study, Findings> {
+) -> Result<Result<Study, String>, Findings> {
     let truth = truth(session, &[], options, tell)?;
     let declared = target.declared(session, Axis::Step, options)?;
     let limits = target.limits(session.plan(), session.view());
@@ -179,6 +191,7 @@ pub(super) fn study(
         steps: Vec::new(),
         looks: Vec::new(),
         truth,
+        against,
         is_surface: declared.1 == "depth",
     };
     for halving in 0..=halvings {
@@ -218,6 +231,11 @@ pub(super) fn study(
             course.looks.insert(at, Look::from(&picture));
         }
     }
+    if course.errors().0.is_empty() {
+        return Ok(Err(format!(
+            "steps are {least} to {most} voxels, and too few of those halved from {from} are"
+        )));
+    }
     let (quantities, one_sided) = course.quantities(declared, &limits, options);
     let mut notes: Vec<String> = note_one_sided(one_sided).into_iter().collect();
     if from * 0.5_f64.powi(halvings as i32) < least {
@@ -225,14 +243,14 @@ pub(super) fn study(
             "steps below {least} voxels cannot be set: there are fewer halvings than asked for"
         ));
     }
-    Ok(Study {
+    Ok(Ok(Study {
         axis: Axis::Step,
-        against,
+        against: course.against,
         quantities,
         limits,
         one_sided,
         notes,
-    })
+    }))
 }
 
 /// The diagonal of everything drawn, in voxels of the main raycast's volume.

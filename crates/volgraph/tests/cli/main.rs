@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod breaks;
+mod cases;
 mod chart;
 mod commands;
 mod gallery;

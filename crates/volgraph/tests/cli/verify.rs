@@ -1,5 +1,8 @@
 //! `volgraph verify`: orders as theory has them, shaders that break them, and pictures rendered again.
 
+mod layers;
+mod untold;
+
 use std::fs;
 use std::path::Path;
 

@@ -1,8 +1,7 @@
 //! A picture rendered again from its own metadata, and compared.
 //!
-//! The new picture is saved in the format of the old one and read back, so that both have lost the same. PNG: each code
-//! may be off by 1, which is rounding; of codes under little alpha as much less as they show. EXR: colours and opacities
-//! within 1e-5, depths within as much of the largest: what f32 loses on another device.
+//! The new picture is saved in the format of the old one and read back, so that both have lost the same; how far apart they
+//! may be then is said by [`Difference`].
 
 use std::fmt::Write;
 use std::fs::File;
@@ -20,21 +19,17 @@ use volgraph::{
 };
 use volgraph_gpu::Gpu;
 use volgraph_measure::{Comparison, compare_without_flip};
-use volgraph_picture::srgb::srgb_from_linear;
 use volgraph_picture::{PngBits, SaveOptions};
 
+use super::difference::Difference;
 use crate::args::VerifyArgs;
 use crate::commands::reference::Rows;
 use crate::commands::{errors, extension, session_options};
 use crate::output;
 use crate::progress::Bars;
 
-/// What colours and opacities of an EXR may be off by.
-const EXR_BOUND: f64 = 1e-5;
-
 pub fn run(args: &VerifyArgs) -> anyhow::Result<ExitCode> {
     let file = &args.scene.graph;
-    check_settings(args)?;
     let before = load(file)?;
     let recorded = Recorded::of(&before, file)?;
     let bars = Bars::new();
@@ -74,6 +69,7 @@ pub fn run(args: &VerifyArgs) -> anyhow::Result<ExitCode> {
             "unit": difference.unit(),
             "difference": difference.largest,
             "bound": difference.bound,
+            "unlike": difference.unlike,
             "passed": difference.holds(),
             "comparison": comparison,
             "reference": against,
@@ -84,13 +80,7 @@ pub fn run(args: &VerifyArgs) -> anyhow::Result<ExitCode> {
     if difference.holds() {
         return Ok(ExitCode::SUCCESS);
     }
-    let max = comparison.max;
-    let message = format!(
-        "rendered again, the picture differs by {}; the worst pixel is at ({}, {})",
-        difference.said(),
-        max.x,
-        max.y
-    );
+    let message = format!("rendered again, the picture differs: {}", difference.said());
     let finding = Finding::error("picture-differs", message).at(Place::whole_file(file));
     let names: Vec<&str> = changes.iter().map(|it| it.what.as_str()).collect();
     let finding = if names.is_empty() {
@@ -100,22 +90,6 @@ pub fn run(args: &VerifyArgs) -> anyhow::Result<ExitCode> {
     };
     output::report(&finding.into());
     Ok(ExitCode::from(1))
-}
-
-/// Refuses what a picture brings with it.
-fn check_settings(args: &VerifyArgs) -> Result<(), Findings> {
-    let scene = &args.scene;
-    let is_set = !scene.set.is_empty()
-        || !scene.volume.is_empty()
-        || scene.camera.is_some()
-        || !args.slot.is_empty();
-    if !is_set {
-        return Ok(());
-    }
-    let message = "a picture is rendered again with its own settings: `--set`, `--slot`, `--volume` and `--camera` are for graphs";
-    Err(Finding::error("own-settings", message)
-        .at(Place::whole_file(&scene.graph))
-        .into())
 }
 
 fn load(file: &Path) -> Result<Picture, Findings> {
@@ -147,91 +121,6 @@ fn through_file(picture: &Picture, like: &Path, bits: Option<PngBits>) -> anyhow
     Ok(load(&file)?)
 }
 
-/// How far two pictures are apart, in the unit of their format.
-struct Difference {
-    largest: f64,
-    bound: f64,
-    bits: Option<PngBits>,
-}
-
-impl Difference {
-    fn of(
-        before: &Picture,
-        after: &Picture,
-        comparison: &Comparison,
-        bits: Option<PngBits>,
-    ) -> Self {
-        let Some(png) = bits else {
-            let scalar = |it: &Option<volgraph_measure::ScalarDifference>| {
-                let max = it.as_ref().and_then(|it| it.max);
-                max.map_or(0.0, |max| max.error)
-            };
-            let finite = before.depth.iter().flatten().filter(|it| it.is_finite());
-            let deepest = finite.map(|it| f64::from(it.abs())).fold(1.0, f64::max);
-            let largest = comparison
-                .max
-                .error
-                .max(scalar(&comparison.opacity))
-                .max(scalar(&comparison.depth) / deepest);
-            return Self {
-                largest,
-                bound: EXR_BOUND,
-                bits,
-            };
-        };
-        let most = if png == PngBits::Sixteen {
-            65535.0
-        } else {
-            255.0
-        };
-        let pixels = before.color.iter().zip(&after.color);
-        let largest = pixels
-            .map(|(a, b)| codes_apart(*a, *b, most))
-            .fold(0.0, f64::max);
-        Self {
-            largest,
-            // Codes are whole, but read as f32.
-            bound: 1.01,
-            bits,
-        }
-    }
-
-    fn holds(&self) -> bool {
-        self.largest <= self.bound
-    }
-
-    fn unit(&self) -> &'static str {
-        match self.bits {
-            Some(PngBits::Sixteen) => "codes of 65535",
-            Some(PngBits::Eight) => "codes of 255",
-            None => "linear",
-        }
-    }
-
-    fn said(&self) -> String {
-        match self.bits {
-            Some(_) => format!("{:.1} {}", self.largest, self.unit()),
-            None => format!("{:.1e}", self.largest),
-        }
-    }
-}
-
-/// How many codes two pixels of a PNG are apart, colours weighed by the larger of their alphas.
-fn codes_apart(a: [f32; 4], b: [f32; 4], most: f64) -> f64 {
-    let code = |pixel: [f32; 4], i: usize| {
-        let alpha = f64::from(pixel[3]);
-        let straight = if alpha > 0.0 {
-            f64::from(pixel[i]) / alpha
-        } else {
-            0.0
-        };
-        most * srgb_from_linear(straight.clamp(0.0, 1.0))
-    };
-    let alpha = f64::from(a[3].max(b[3]));
-    let colors = (0..3).map(|i| alpha * (code(a, i) - code(b, i)).abs());
-    colors.fold(most * f64::from((a[3] - b[3]).abs()), f64::max)
-}
-
 fn text(
     file: &Path,
     changes: &[Changed],
@@ -247,20 +136,15 @@ fn text(
         );
     }
     for Changed { what, was, is } in changes {
-        let short = |value: &String| match value.len() {
-            0 => "nothing".to_owned(),
-            64 => value[..12].to_owned(),
-            _ => value.clone(),
-        };
         let _ = writeln!(text, "{what} has changed: {} → {}", short(was), short(is));
     }
-    let says = match (difference.largest == 0.0, difference.holds()) {
-        (true, _) => "rendered again, it is the same".to_owned(),
-        (_, true) => format!(
+    let says = match (difference.holds(), difference.largest == 0.0) {
+        (true, true) => "rendered again, it is the same".to_owned(),
+        (true, false) => format!(
             "rendered again, it is the same within {}",
             difference.said()
         ),
-        _ => format!("rendered again, it DIFFERS by {}", difference.said()),
+        _ => format!("rendered again, it DIFFERS: {}", difference.said()),
     };
     let _ = writeln!(text, "{}: {says}", file.display());
     if let Some(against) = against {
@@ -271,6 +155,16 @@ fn text(
         );
     }
     text
+}
+
+/// A value in a line: of a digest its first digits.
+fn short(value: &str) -> &str {
+    let is_digest = value.len() == 64 && value.bytes().all(|byte| byte.is_ascii_hexdigit());
+    match value {
+        "" => "nothing",
+        _ if is_digest => &value[..12],
+        _ => value,
+    }
 }
 
 fn truth(recorded: &Recorded, scene: &Scene, options: &TruthOptions) -> Result<Truth, Findings> {
@@ -293,4 +187,20 @@ pub fn recorded_truth(picture: &Picture, file: &Path) -> Result<Picture, Finding
         picture.opacity = None;
     }
     Ok(picture)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short;
+
+    #[test]
+    fn digests_alone_are_shortened() {
+        let digest = "0123456789abcdef".repeat(4);
+        assert_eq!(short(&digest), "0123456789ab");
+        // As long as a digest, and its twelfth byte is within a character.
+        let name = format!("llvmpipe 12é{}", "x".repeat(51));
+        assert_eq!(name.len(), 64);
+        assert_eq!(short(&name), name);
+        assert_eq!((short(""), short("abc")), ("nothing", "abc"));
+    }
 }

@@ -8,7 +8,8 @@ use std::sync::Arc;
 
 use serde_json::json;
 use volgraph::verify::{
-    Against, Axis, OrdersOptions, Quantity, Skipped, Study, Target, Verdict, orders, stock_for,
+    Against, Axis, OrdersOptions, Quantity, Skipped, Study, Target, Untold, Verdict, orders,
+    stock_for,
 };
 use volgraph::{Finding, Findings, Place, Scene, Session, SessionOptions, registry};
 use volgraph_gpu::Gpu;
@@ -44,12 +45,14 @@ pub fn run(args: &VerifyArgs) -> anyhow::Result<ExitCode> {
     }
     let name = scene.path.display().to_string();
     let target = Target::new(&scene, &args.slot)?;
+    let (required, optional) = axes(args, &target.scene);
+    let usual = OrdersOptions::default();
     let options = OrdersOptions {
-        axes: axes(args, &target.scene),
+        axes: [&required[..], &optional[..]].concat(),
         from: args.from,
-        halvings: args.halvings,
-        highest_floor: args.floor,
-        tolerance: args.tolerance_order,
+        halvings: args.halvings.unwrap_or(usual.halvings),
+        highest_floor: args.floor.unwrap_or(usual.highest_floor),
+        tolerance: args.tolerance_order.unwrap_or(usual.tolerance),
         expected: args.expect,
         stands_for: args.stands_for.clone(),
         truth: args.truth.options(),
@@ -73,7 +76,9 @@ pub fn run(args: &VerifyArgs) -> anyhow::Result<ExitCode> {
     if let Some(folder) = &args.svg {
         write_svg(folder, &studies, &name)?;
     }
-    let findings = failures(&studies, &options, &name);
+    let mut findings = failures(&studies, &options, &name);
+    let missed = skipped.iter().filter(|it| required.contains(&it.axis));
+    findings.extend(missed.map(|it| not_measured(it, &name)));
     if args.json {
         output::print_json(&json!({
             "graph": name,
@@ -95,56 +100,76 @@ pub fn run(args: &VerifyArgs) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::from(1))
 }
 
-/// What is asked for; of a bare graph the step, and the grid where a slot that reconstructs is tested.
-fn axes(args: &VerifyArgs, scene: &Scene) -> Vec<Axis> {
-    let given = args.orders.iter().flatten().map(|axis| Axis::from(*axis));
-    let given: Vec<Axis> = given.collect();
-    if !given.is_empty() {
-        return given;
+/// What must be measured, and what is if it can be. Axes that are named must; else the step must, and the grid is optional
+/// where `--orders` asks for all or a slot that reconstructs is tested.
+fn axes(args: &VerifyArgs, scene: &Scene) -> (Vec<Axis>, Vec<Axis>) {
+    let named = args.orders.iter().flatten().map(|axis| Axis::from(*axis));
+    let named: Vec<Axis> = named.collect();
+    if !named.is_empty() {
+        return (named, Vec::new());
     }
     let reconstructs = args.slot.iter().any(|(slot, _)| slot == "reconstruct");
     let is_analytic = scene.desc.sources.values().any(|it| it.kind == "analytic");
-    if reconstructs && is_analytic {
-        vec![Axis::Step, Axis::Grid]
-    } else {
-        vec![Axis::Step]
-    }
+    let is_refined = args.orders.is_some() || (reconstructs && is_analytic);
+    (
+        vec![Axis::Step],
+        is_refined.then_some(Axis::Grid).into_iter().collect(),
+    )
 }
 
 /// A finding for each order that does not hold.
 fn failures(studies: &[Study], options: &OrdersOptions, name: &str) -> Findings {
     let held = studies.iter().flat_map(|study| {
         let failed = study.quantities.iter().filter(|it| it.verdict.is_failure());
-        failed.map(move |quantity| (study, quantity))
+        failed.map(move |quantity| failure(study, quantity, options))
     });
-    let finding = |(study, quantity): (&Study, &Quantity)| {
-        let axis = study.axis.name();
-        let by = quantity.declared.as_ref().map_or("", |it| it.by.as_str());
-        let expected = quantity.expected.unwrap_or_default();
-        let finding = match quantity.convergence.order {
-            Some(order) => Finding::error(
-                "order-below",
-                format!(
-                    "the {} is of order {order:.2} in the {axis}, and `{by}` declares {expected}",
-                    quantity.name
-                ),
-            )
-            .help(format!(
+    held.map(|finding| finding.at(Place::whole_file(name)))
+        .collect()
+}
+
+fn failure(study: &Study, quantity: &Quantity, options: &OrdersOptions) -> Finding {
+    let (axis, what) = (study.axis.name(), quantity.name);
+    let declared = quantity.declared.as_ref().map_or(String::new(), |it| {
+        let expected = quantity.expected.unwrap_or(it.order);
+        format!(", and `{}` declares {expected}", it.by)
+    });
+    let (because, help) = match (quantity.untold, quantity.convergence.order) {
+        (Some(Untold::Absent), _) => (
+            format!(
+                "in the coarsest picture, no pixel has a {what} that what it is held against has as well"
+            ),
+            "draw what has one: other settings (`--set`), another view (`--camera`) or larger pictures (`--size`)",
+        ),
+        (Some(Untold::Unchanged), _) => (
+            format!("the {what} is the same in all pictures, which are held against each other"),
+            "does the shader use the step, and is there something to see? a truth would tell what is right (`--as`)",
+        ),
+        (_, None) => (
+            format!("fewer than {LEAST_POINTS} errors of the {what} lie above the floor"),
+            "start at a larger step (`--from`), or halve more often (`--halvings`)",
+        ),
+        (_, Some(order)) => {
+            let message = format!("the {what} is of order {order:.2} in the {axis}{declared}");
+            return Finding::error("order-below", message).help(format!(
                 "orders down to {:.2} pass; does the shader drop or weigh a segment wrongly, or is the sample not where the rule has it?",
-                expected - options.tolerance
-            )),
-            None => Finding::error(
-                "order-untold",
-                format!(
-                    "fewer than {LEAST_POINTS} errors of the {} lie above the floor, so its order in the {axis} is not told, and `{by}` declares {expected}",
-                    quantity.name
-                ),
-            )
-            .help("start at a larger step (`--from`), or halve more often (`--halvings`)"),
-        };
-        finding.at(Place::whole_file(name))
+                quantity.expected.unwrap_or_default() - options.tolerance
+            ));
+        }
     };
-    held.map(finding).collect()
+    let message = format!("the order in the {axis} is not told: {because}{declared}");
+    Finding::error("order-untold", message).help(help)
+}
+
+/// What was asked for by name, and cannot be measured.
+fn not_measured(skipped: &Skipped, name: &str) -> Finding {
+    let Skipped { axis, because } = skipped;
+    let message = format!(
+        "the order in the {} is not measured: {because}",
+        axis.name()
+    );
+    Finding::error("not-measured", message)
+        .at(Place::whole_file(name))
+        .help("change what keeps it from being measured, or name other axes (`--orders`)")
 }
 
 fn write_svg(folder: &Path, studies: &[Study], name: &str) -> Result<(), Findings> {
@@ -195,6 +220,9 @@ fn text(studies: &[Study], skipped: &[Skipped]) -> String {
 
 fn of_quantity(quantity: &Quantity, study: &Study) -> String {
     let mut text = format!("  {}: {}\n", quantity.name, verdict(quantity));
+    if quantity.convergence.points.is_empty() {
+        return text;
+    }
     if let Some(floor) = quantity.convergence.floor {
         let _ = writeln!(
             text,
@@ -207,7 +235,9 @@ fn of_quantity(quantity: &Quantity, study: &Study) -> String {
     for point in &quantity.convergence.points {
         let slope =
             before.map(|(step, error)| (error / point.error).ln() / (step / point.step).ln());
-        let slope = slope.map_or(String::new(), |slope| format!("{slope:.2}"));
+        let slope = slope
+            .filter(|slope| slope.is_finite())
+            .map_or(String::new(), |slope| format!("{slope:.2}"));
         let role = match point.role {
             PointRole::Fitted => "",
             PointRole::Floor => "floor",
@@ -225,13 +255,13 @@ fn of_quantity(quantity: &Quantity, study: &Study) -> String {
 }
 
 fn verdict(quantity: &Quantity) -> String {
-    let order = match quantity.convergence.order {
-        Some(order) => format!("order {order:.2}"),
-        None if quantity.convergence.is_exact => "exact to the floor".to_owned(),
-        None => "too few points for an order".to_owned(),
-    };
+    let order = quantity.order_said();
     let Some(declared) = &quantity.declared else {
-        return format!("{order}, nothing declared");
+        let told = match quantity.verdict {
+            Verdict::Untold => ": NOT TOLD",
+            _ => "",
+        };
+        return format!("{order}, nothing declared{told}");
     };
     let here = match quantity.expected {
         Some(expected) if expected < declared.order => {

@@ -33,11 +33,7 @@ pub fn study(study: &Study, name: &str) -> Result<String, Finding> {
 
 fn curve(quantity: &Quantity) -> Curve {
     let convergence = &quantity.convergence;
-    let order = match convergence.order {
-        Some(order) => format!("order {order:.2}"),
-        None if convergence.is_exact => "exact to the floor".to_owned(),
-        None => "no order told".to_owned(),
-    };
+    let order = quantity.order_said();
     let declared = quantity.declared.as_ref();
     let declared = declared.map_or(String::new(), |it| format!(" (declared {})", it.order));
     let points = convergence.points.iter().map(|point| {
