@@ -2,9 +2,8 @@
 //! reference, and be beside it in the end. A wrong reference would leave a floor.
 
 use volgraph_measure::order;
+use volgraph_tests::truth::truth;
 use volgraph_tests::{Stage, adapters, render};
-
-use super::truth;
 
 const SIZE: [u32; 2] = [24, 24];
 
