@@ -78,12 +78,8 @@ fn a_volume_that_is_given_is_the_one_that_is_seen() {
     let given = [None, Some(&balls[0]), Some(&balls[1])];
     let pictures = given.map(|volume| {
         let folder = volume.map_or("own", String::as_str);
-        let volume = volume.map(|file| ["--volume", file.as_str()]);
-        let more = [
-            &["-o", folder],
-            &SOME[1..],
-            volume.as_ref().map_or(&[], |it| &it[..]),
-        ];
+        let volume = volume.map_or(vec![], |file| vec!["--volume", file.as_str()]);
+        let more = [&["-o", folder], &SOME[1..], &volume];
         assert_eq!(drawn(&gallery(&scratch, &more.concat())), SOME[1..]);
         let of = |name: &&str| scratch.picture(&format!("{folder}/{name}.png"));
         SOME[1..].iter().map(of).collect::<Vec<Picture>>()
