@@ -104,7 +104,11 @@ fn rows_of_other_renderers_that_are_not_shown_are_told() {
     let rows = "one\tcomposite\tml\t1\t42\t40\t50\t9\t0.8\ntwo\tcomposite\tml\t1\t\t\t\t\t";
     scratch.write("peers.tsv", format!("{head}\n{rows}\n"));
     // A ball is none of the scenes that others drew.
-    let json = chart(&scratch, "classify=post step=1", &["--peers", "peers.tsv"]);
+    let json = chart(
+        &scratch,
+        &format!("classify=post {METHODS}"),
+        &["--peers", "peers.tsv"],
+    );
     let left_out = serde_json::json!([
         { "rows": 1, "why": "without a time or an error" },
         { "rows": 1, "why": "not of this graph's scene" },

@@ -62,7 +62,7 @@ fn ball(scratch: &Scratch, name: &str, aside: f64) -> String {
         .map(|i| {
             let [x, y, z] = [i % 20, i / 20 % 20, i / 400].map(|n| f64::from(n) - 9.5);
             let distance = ((x - aside).powi(2) + y * y + (z - aside).powi(2)).sqrt();
-            (255.0 * (1.2 - distance / 5.0).clamp(0.0, 1.0)) as u8
+            (255.0 * (1.2 - distance / 8.0).clamp(0.0, 1.0)) as u8
         })
         .collect();
     let file = format!("{name}_20x20x20_uint8.raw");
@@ -77,9 +77,9 @@ fn a_volume_that_is_given_is_the_one_that_is_seen() {
     let balls = [("low", -4.0), ("high", 4.0)].map(|(name, aside)| ball(&scratch, name, aside));
     let given = [None, Some(&balls[0]), Some(&balls[1])];
     let pictures = given.map(|volume| {
-        let folder = volume.map_or("own", String::as_str);
+        let folder = volume.map_or("own".to_owned(), |file| format!("of_{file}"));
         let volume = volume.map_or(vec![], |file| vec!["--volume", file.as_str()]);
-        let more = [&["-o", folder], &SOME[1..], &volume];
+        let more = [&["-o", folder.as_str()], &SOME[1..], &volume];
         assert_eq!(drawn(&gallery(&scratch, &more.concat())), SOME[1..]);
         let of = |name: &&str| scratch.picture(&format!("{folder}/{name}.png"));
         SOME[1..].iter().map(of).collect::<Vec<Picture>>()
@@ -88,9 +88,10 @@ fn a_volume_that_is_given_is_the_one_that_is_seen() {
         for (a, b) in [(0, 1), (0, 2), (1, 2)] {
             let [a, b] = [&pictures[a][at], &pictures[b][at]];
             let pairs = a.color.iter().zip(&b.color);
-            // By more than the rounding of a picture's bytes, in more than the pixels of an edge.
+            // By more than the rounding of a picture's bytes. A ball is some 11 of the 20 voxels wide and 4 of the 20 pixels:
+            // two in other places cover more pixels than these.
             let apart = pairs.filter(|(a, b)| (0..3).any(|i| (a[i] - b[i]).abs() > 0.02));
-            assert!(apart.count() >= 20, "{name}: the volume is not seen");
+            assert!(apart.count() >= 12, "{name}: the volume is not seen");
         }
     }
 }
@@ -112,7 +113,10 @@ fn every_graph_takes_a_volume_that_is_given() {
         let text = plan
             .unwrap_or_else(|findings| panic!("{name}: {findings}"))
             .to_text();
-        assert!(text.contains(&file), "{name} does not draw it: {text}");
+        assert!(
+            text.contains("ball 20x20x20 uint8"),
+            "{name} does not draw it: {text}"
+        );
     }
     // A graph with two volumes, none of them named `volume`.
     let two = r#"(
