@@ -3,6 +3,7 @@
 use glam::DVec3;
 use volgraph::{Picture, View};
 use volgraph_optics::TransferFunction;
+use volgraph_tests::slabs::{middles, slabs};
 use volgraph_tests::{STAGES, adapters, box_interval, open, ray, root};
 use volgraph_volume::Volume;
 use volgraph_volume::analytic::{AnalyticField, sample};
@@ -20,21 +21,17 @@ fn truth(volume: &Volume, transfer: &TransferFunction, view: &View) -> Vec<[f64;
     pixels
         .map(|(x, y)| {
             let (origin, direction) = ray(view, x, y);
-            let (mut color, mut transmittance) = (DVec3::ZERO, 1.0);
             let half = DVec3::splat(0.5);
-            if let Some((near, far)) = box_interval((origin, direction), -half, half) {
-                let count = ((far - near) / voxel * FINE).ceil().max(1.0);
-                let length = (far - near) / count;
-                for at in 0..count as u32 {
-                    let world = origin + direction * (near + (f64::from(at) + 0.5) * length);
-                    let scalar = volume.trilinear(index_from_world.transform_point3(world)) / 255.0;
-                    let through = (-transfer.extinction(scalar) * length / voxel).exp();
-                    color +=
-                        transmittance * (1.0 - through) * DVec3::from_array(transfer.color(scalar));
-                    transmittance *= through;
-                }
-            }
-            [color.x, color.y, color.z, 1.0 - transmittance]
+            let Some((near, far)) = box_interval((origin, direction), -half, half) else {
+                return [0.0; 4];
+            };
+            let count = ((far - near) / voxel * FINE).ceil().max(1.0);
+            let depth = (far - near) / count / voxel;
+            slabs(middles(count as u32).map(|share| {
+                let world = origin + direction * (near + share * (far - near));
+                let scalar = volume.trilinear(index_from_world.transform_point3(world)) / 255.0;
+                (transfer.color(scalar), transfer.extinction(scalar) * depth)
+            }))
         })
         .collect()
 }

@@ -1,9 +1,9 @@
 //! The reference and the difference of two pictures as nodes: they show what a comparison outside of the graph finds.
 
-use volgraph::truth::plan_without_device;
-use volgraph::{Scene, Truth, TruthOptions};
-use volgraph_picture::LayerValues;
-use volgraph_tests::{Stage, adapters, options, render};
+use volgraph::TruthOptions;
+use volgraph_tests::layers::{scalars, vectors};
+use volgraph_tests::truth::truth_of;
+use volgraph_tests::{Stage, adapters, render};
 
 const GRAPH: &str = r#"(
     sources: {
@@ -26,55 +26,31 @@ const GRAPH: &str = r#"(
 
 const TRANSFER: &str = "(domain: normalised, color: [(0, (1, 0.2, 0)), (1, (0, 0.5, 1))], opacity: [(0, 0), (1, 0.3)])";
 
-fn vectors(picture: &volgraph::Picture, name: &str) -> Vec<[f32; 4]> {
-    let layer = picture
-        .layers
-        .iter()
-        .find(|layer| layer.name == name)
-        .unwrap();
-    match &layer.values {
-        LayerValues::Vector(values) => values.clone(),
-        LayerValues::Scalar(values) => values.iter().map(|value| [*value; 4]).collect(),
-    }
-}
-
 #[test]
 fn nodes_show_the_error_that_a_comparison_finds() {
     let stage = Stage::new()
         .with("graph.ron", GRAPH)
         .with("transfer.ron", TRANSFER);
     for backend in adapters() {
-        let (picture, view) = render(&stage, &[], &backend, [24, 24]);
+        let (picture, _) = render(&stage, &[], &backend, [24, 24]);
         // The truth of the raycast itself.
-        let options = options(&[], &backend, [24, 24]);
         stage.write(
             "plain.ron",
             GRAPH.replace("\"off.color\"", "\"image.color\""),
         );
-        let scene = Scene::load(
-            &stage.path().join("plain.ron"),
-            &options.overrides,
-            &options.shader_folders,
-            volgraph::registry(),
-            &volgraph::NoProgress,
-        )
-        .unwrap();
-        let plan = plan_without_device(&scene, [24, 24]).unwrap();
-        let kept_nowhere = TruthOptions {
-            cache: None,
-            ..TruthOptions::default()
-        };
-        let truth = Truth::of(&plan, &view, &kept_nowhere, &volgraph_reference::Silent).unwrap();
+        let plain = stage.path().join("plain.ron");
+        let (truth, _) =
+            truth_of(&plain, &[], [24, 24], TruthOptions::default().tolerance).unwrap();
         let truth = truth.picture().unwrap();
 
-        let (drawn, shown) = (vectors(&picture, "drawn"), vectors(&picture, "off"));
+        let (drawn, shown) = (vectors(&picture, "drawn"), scalars(&picture, "off"));
         assert_eq!(vectors(&picture, "truth"), truth.color, "{backend}");
         let mut largest: f32 = 0.0;
         for at in 0..drawn.len() {
             let off: [f32; 4] = std::array::from_fn(|i| drawn[at][i] - truth.color[at][i]);
             let error = off.iter().fold(0.0_f32, |most, off| most.max(off.abs()));
             largest = largest.max(error);
-            assert_eq!(shown[at][0], error, "{backend}, pixel {at}");
+            assert_eq!(shown[at], error, "{backend}, pixel {at}");
             for (shown, off) in picture.color[at].iter().zip(&off[..3]) {
                 let color = 8.0 * off.abs();
                 assert!((shown - color).abs() < 1e-6, "{backend}, pixel {at}");

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 use volgraph::Picture;
-use volgraph_picture::{LayerValues, SaveOptions};
+use volgraph_picture::SaveOptions;
+use volgraph_tests::layers::{scalars, vectors};
 use volgraph_tests::{STAGES, Stage, adapters, box_interval, graph, ray, render};
 
 const OUTPUTS: &str = r#"outputs: { "color": "image.color", "normal": "image.normal", "place": "image.position",
@@ -25,20 +26,6 @@ fn stage(slots: &str, params: &str) -> Stage {
 
 const LOW: DVec3 = DVec3::new(199.5, -50.75, 29.75);
 const HIGH: DVec3 = DVec3::new(211.5, -38.75, 32.75);
-
-fn vectors<'p>(picture: &'p Picture, name: &str) -> &'p [[f32; 4]] {
-    match picture.layer(name) {
-        Some(LayerValues::Vector(values)) => values,
-        other => panic!("{name}: {other:?}"),
-    }
-}
-
-fn scalars<'p>(picture: &'p Picture, name: &str) -> &'p [f32] {
-    match picture.layer(name) {
-        Some(LayerValues::Scalar(values)) => values,
-        other => panic!("{name}: {other:?}"),
-    }
-}
 
 #[test]
 fn positions_and_normals_are_those_of_the_plane_that_is_hit() {

@@ -9,6 +9,7 @@ use volgraph::{
 };
 use volgraph_measure::compare_without_flip;
 use volgraph_optics::{Material, TransferFunction};
+use volgraph_tests::slabs::{middles, slabs};
 use volgraph_tests::{STAGES, Stage, adapters, graph, ray, render};
 
 fn max_error(a: &Picture, b: &Picture) -> f64 {
@@ -107,17 +108,14 @@ fn linear_truth(transfer: &TransferFunction, (front, back): (f64, f64), directio
         .dot((light - direction).normalize())
         .powf(default.shininess);
     let length = 8.0 / f64::from(SLABS);
-    let (mut color, mut transmittance) = (DVec3::ZERO, 1.0);
-    for slab in 0..SLABS {
-        let s = front + (f64::from(slab) + 0.5) / f64::from(SLABS) * (back - front);
-        let through = (-transfer.extinction(s) * length).exp();
+    let [r, g, b, _] = slabs(middles(SLABS).map(|share| {
+        let s = front + share * (back - front);
         let made = transfer.material(s, default);
         let own = DVec3::from_array(transfer.color(s));
         let shown = own * (made.ambient + made.diffuse * diffuse) + made.specular * highlight;
-        color += transmittance * (1.0 - through) * shown;
-        transmittance *= through;
-    }
-    color
+        (shown.to_array(), transfer.extinction(s) * length)
+    }));
+    DVec3::new(r, g, b)
 }
 
 #[test]

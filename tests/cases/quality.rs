@@ -4,7 +4,10 @@ use std::path::Path;
 
 use volgraph::{Change, Outcome, Scene, Session, SessionOptions, Truth, TruthOptions};
 use volgraph_graph::{Budget, CameraDesc, read};
+use volgraph_tests::repository::choices;
 use volgraph_tests::{Stage, adapters, options};
+
+use crate::quadratures::declared;
 
 const SIZE: [u32; 2] = [64, 64];
 
@@ -93,6 +96,53 @@ fn an_error_budget_is_kept_from_all_sides_by_a_method_that_fits_the_transfer_fun
                 assert!(step > 1.0, "{backend}: {chosen}");
             }
         }
+    }
+}
+
+/// What is chosen for an error that nothing keeps, with the step held: the most accurate way to classify.
+fn most_accurate(stage: &Stage, step: &str, backend: &str) -> String {
+    let step = format!("image.step={step}");
+    let session = session(stage, &[&step, "image.early_termination=0"], backend);
+    assert!(!session.chosen().unwrap().is_met);
+    classify(&session)
+}
+
+#[test]
+fn narrow_peaks_of_several_colours_get_a_table_of_segments() {
+    // Samples miss peaks that are narrower than a step, and the integral from scalar to scalar loses which colour comes
+    // first. What is left is known by the scalars of both ends.
+    let peaks = "(domain: normalised, color: [(0.4, (1, 0, 0)), (0.6, (0, 0.2, 1))],
+        opacity: [(0.395, 0), (0.4, 0.9), (0.405, 0), (0.595, 0), (0.6, 0.9), (0.605, 0)])";
+    let stage = stage("quality: budget(rmse: 0.000001),", peaks);
+    for backend in adapters() {
+        let chosen = most_accurate(&stage, "2", &backend);
+        let tables = ["preintegrated_2d", "preintegrated_3d", "second_order"];
+        assert!(tables.contains(&&*chosen), "{backend}: {chosen}");
+    }
+}
+
+#[test]
+fn smooth_matter_gets_the_highest_order() {
+    // One cell of a volume, whose scalar is a cubic along every ray, and a transfer function that is linear: at a quarter
+    // of the cell errors of order 4 are far below those of order 2.
+    let transfer = "(domain: data, color: [(0, (1, 0.1, 0)), (1, (0.1, 0.8, 1))], extinction: [(0, 0), (1, 6)])";
+    let corners = [0.15, 0.7, 0.55, 0.25, 0.85, 0.4, 0.3, 0.95];
+    let analytic = r#"analytic(field: "gyroid", dims: (24, 24, 24))"#;
+    let cell = r#"volume(path: "v_2x2x2_float32.raw", node_centred: true)"#;
+    let text = graph("quality: budget(rmse: 0.000001),").replace(analytic, cell);
+    let stage = Stage::new()
+        .with_floats("v", [2, 2, 2], |x, y, z| {
+            corners[(x + 2 * y + 4 * z) as usize]
+        })
+        .with("transfer.ron", transfer)
+        .with("graph.ron", text);
+    let highest = choices("classify")
+        .iter()
+        .map(|it| declared(it))
+        .fold(0.0, f64::max);
+    for backend in adapters() {
+        let chosen = most_accurate(&stage, "0.25", &backend);
+        assert_eq!(declared(&chosen), highest, "{backend}: {chosen}");
     }
 }
 

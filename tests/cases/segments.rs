@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use volgraph::{Picture, View};
+use volgraph_tests::slabs::{middles, slabs};
 use volgraph_tests::{STAGES, Stage, adapters, box_interval, ray, render};
 
 pub(super) const CAMERAS: [&str; 2] = [
@@ -399,28 +400,20 @@ fn with_smooth_fields_the_error_falls_with_the_square_of_the_step() {
     let truth = |from: DVec3, to: DVec3| {
         // Even places on both sides of the boundary, which lies between two of them.
         let part = ((3.5 - from.x) / (to.x - from.x)).clamp(0.0, 1.0);
-        let (mut seen, mut light) = ([0.0; 4], 1.0);
-        for i in 0..4000 {
-            let (start, share) = if i < 2000 {
-                (0.0, part)
-            } else {
-                (part, 1.0 - part)
-            };
-            let t = start + share * (f64::from(i % 2000) + 0.5) / 2000.0;
-            let length = from.distance(to) * share / 2000.0;
-            let x = from.lerp(to, t).x;
-            let scalar = x.clamp(0.0, 7.0) / 7.0;
-            let (channel, color, extinction) = if x > 3.5 {
-                (2, scalar, 0.3)
-            } else {
-                (0, 1.0, 0.5 * scalar)
-            };
-            let left = (-extinction * length).exp();
-            seen[channel] += light * (1.0 - left) * color;
-            light *= left;
-        }
-        seen[3] = 1.0 - light;
-        seen
+        slabs([(0.0, part), (part, 1.0 - part)].into_iter().flat_map(
+            |(start, share): (f64, f64)| {
+                middles(2000).map(move |t| {
+                    let x = from.lerp(to, start + share * t).x;
+                    let scalar = x.clamp(0.0, 7.0) / 7.0;
+                    let (color, extinction) = if x > 3.5 {
+                        ([0.0, 0.0, scalar], 0.3)
+                    } else {
+                        ([1.0, 0.0, 0.0], 0.5 * scalar)
+                    };
+                    (color, extinction * from.distance(to) * share / 2000.0)
+                })
+            },
+        ))
     };
     for backend in adapters() {
         let error = |step: &str| {

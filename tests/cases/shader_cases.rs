@@ -2,10 +2,10 @@
 //! no choice of the slots that make a picture is without one.
 
 use std::collections::BTreeSet;
-use std::path::Path;
 
 use volgraph::Case;
 use volgraph::case::{RunOptions, Sweep, assert_folder_with, find};
+use volgraph_tests::repository::choices;
 use volgraph_tests::root;
 
 /// The slots whose choices each have a case.
@@ -56,10 +56,8 @@ fn every_choice_has_a_case() {
         .collect();
     let mut missing = Vec::new();
     for slot in SLOTS {
-        for entry in std::fs::read_dir(root().join("shaders/slot").join(slot)).unwrap() {
-            let path = entry.unwrap().path();
-            let choice = Path::new(&path).file_stem().unwrap().to_str().unwrap();
-            if !drawn.contains(&(slot.to_owned(), choice.to_owned())) {
+        for choice in choices(slot) {
+            if !drawn.contains(&(slot.to_owned(), choice.clone())) {
                 missing.push(format!("{slot}/{choice}"));
             }
         }

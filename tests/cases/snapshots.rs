@@ -4,36 +4,28 @@
 //! part of volgraph, a small volume of bytes stands in for it.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
 
 use naga::valid::Capabilities;
 use volgraph::{Limits, Overrides, Scene, ShaderFolders};
+use volgraph_tests::repository::{graph_file, graphs, scans};
 use volgraph_tests::{Stage, root};
 
-/// The graphs with the names of their snapshots.
-fn graphs() -> Vec<(String, PathBuf)> {
-    let mut graphs = Vec::new();
-    for folder in ["graphs", "graphs/scans"] {
-        for entry in std::fs::read_dir(root().join(folder)).unwrap() {
-            let path = entry.unwrap().path();
-            if path.extension().is_some_and(|extension| extension == "ron") {
-                let stem = path.file_stem().unwrap().to_str().unwrap();
-                graphs.push((stem.to_owned(), path.clone()));
-            }
-        }
-    }
-    graphs.sort();
-    graphs
+/// The graphs, by name.
+fn names() -> Vec<String> {
+    let mut names = [graphs(), scans()].concat();
+    names.sort();
+    names
 }
 
 #[test]
 fn the_plan_of_each_ready_graph_is_as_it_is_committed() {
     let stage = Stage::new().with("stand_in_8x8x8_uint8.raw", [128; 512]);
     let stand_in = stage.path().join("stand_in_8x8x8_uint8.raw");
-    let graphs = graphs();
-    for (name, path) in &graphs {
-        let text = std::fs::read_to_string(path).unwrap();
-        let desc = volgraph_graph::read::graph(path, &text).unwrap();
+    let names = names();
+    for name in &names {
+        let path = graph_file(name);
+        let text = std::fs::read_to_string(&path).unwrap();
+        let desc = volgraph_graph::read::graph(&path, &text).unwrap();
         let volumes = desc
             .sources
             .iter()
@@ -45,7 +37,7 @@ fn the_plan_of_each_ready_graph_is_as_it_is_committed() {
             ..Overrides::default()
         };
         let scene = Scene::load(
-            path,
+            &path,
             &overrides,
             &ShaderFolders::default(),
             volgraph::registry(),
@@ -69,10 +61,7 @@ fn the_plan_of_each_ready_graph_is_as_it_is_committed() {
         });
     }
     // No snapshot of a graph that is gone.
-    let known: BTreeSet<String> = graphs
-        .iter()
-        .map(|(name, _)| format!("{name}.snap"))
-        .collect();
+    let known: BTreeSet<String> = names.iter().map(|name| format!("{name}.snap")).collect();
     for entry in std::fs::read_dir(root().join("tests/plans")).unwrap() {
         let file = entry.unwrap().file_name().into_string().unwrap();
         assert!(
@@ -84,10 +73,10 @@ fn the_plan_of_each_ready_graph_is_as_it_is_committed() {
 
 #[test]
 fn a_graph_without_shadows_clip_or_environment_plans_and_binds_nothing_for_them() {
-    for (name, path) in graphs() {
+    for name in names() {
         let plan =
             std::fs::read_to_string(root().join(format!("tests/plans/{name}.snap"))).unwrap();
-        let graph = std::fs::read_to_string(path).unwrap();
+        let graph = std::fs::read_to_string(graph_file(&name)).unwrap();
         for (slot, words) in [
             ("shadow", ["light_volume", "shadow"]),
             ("clip", ["clip_", "clip_volume"]),

@@ -8,30 +8,12 @@
 use glam::DVec3;
 use volgraph::{Picture, Session};
 use volgraph_graph::read::camera_text;
-use volgraph_tests::{STAGES, Stage, adapters, box_interval, ray, root};
+use volgraph_tests::repository::choices;
+use volgraph_tests::{STAGES, Stage, adapters, box_interval, ray};
 
 const SIZE: [u32; 2] = [64, 64];
 const DIMS: [u32; 3] = [14, 11, 9];
 const SPACINGS: [DVec3; 2] = [DVec3::ONE, DVec3::new(1.0, 2.0, 5.0)];
-
-/// The files of a slot.
-fn choices(slot: &str) -> Vec<String> {
-    let mut names: Vec<String> = std::fs::read_dir(root().join("shaders/slot").join(slot))
-        .unwrap()
-        .map(|entry| {
-            entry
-                .unwrap()
-                .path()
-                .file_stem()
-                .unwrap()
-                .to_str()
-                .unwrap()
-                .to_owned()
-        })
-        .collect();
-    names.sort();
-    names
-}
 
 /// Scalars 0 to 1, with no symmetry; highest inside, so that most techniques see something from everywhere.
 fn field(at: DVec3) -> f64 {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use volgraph_optics::TransferFunction;
+use volgraph_tests::slabs::{middles, slabs};
 use volgraph_tests::{STAGES, Stage, adapters, graph, render};
 
 const SMOOTH: &str = r##"(domain: data(from: 0, to: 1), color: [(0.0, "#1a2699"), (0.4, (1, 0.2, 0)), (1.0, (0, 1, 0.5))],
@@ -30,6 +31,13 @@ fn stage(voxels: u32, scalar: impl Fn(f64) -> f64, transfer: &str) -> Stage {
         .with("graph.ron", graph(&volume, camera, "{}", "{}", params))
 }
 
+/// Every backend with every stage.
+fn everywhere() -> Vec<(String, &'static str)> {
+    let backends = adapters().into_iter();
+    let both = backends.flat_map(|backend| STAGES.map(|form| (backend.clone(), form)));
+    both.collect()
+}
+
 /// Colour and opacity of the middle pixel.
 fn seen(stage: &Stage, backend: &str, form: &str, sets: &[&str]) -> [f64; 4] {
     let form = format!("image.stage={form}");
@@ -42,22 +50,19 @@ fn seen(stage: &Stage, backend: &str, form: &str, sets: &[&str]) -> [f64; 4] {
 
 /// The same in float64: slabs between the scalars of voxels that lie one apart, thinner than anything here changes.
 fn truth(transfer: &str, scalars: &[f64]) -> [f64; 4] {
-    let slabs = 400_000 / scalars.len() as u32;
+    let parts = 400_000 / scalars.len() as u32;
     let transfer = TransferFunction::parse(Path::new("transfer.ron"), transfer).unwrap();
-    let references = transfer.reference_length().extinction_per_world(1.0) / f64::from(slabs);
-    let (mut color, mut depth) = ([0.0; 3], 0.0_f64);
-    for pair in scalars.windows(2) {
-        for slab in 0..slabs {
-            let s = pair[0] + (f64::from(slab) + 0.5) / f64::from(slabs) * (pair[1] - pair[0]);
-            let thin = transfer.extinction(s) * references;
-            let weight = (-depth).exp() * -(-thin).exp_m1();
-            for (sum, c) in color.iter_mut().zip(transfer.color(s)) {
-                *sum += weight * c;
-            }
-            depth += thin;
-        }
-    }
-    [color[0], color[1], color[2], -(-depth).exp_m1()]
+    let references = transfer.reference_length().extinction_per_world(1.0) / f64::from(parts);
+    slabs(scalars.windows(2).flat_map(|pair| {
+        let transfer = &transfer;
+        middles(parts).map(move |share| {
+            let scalar = pair[0] + share * (pair[1] - pair[0]);
+            (
+                transfer.color(scalar),
+                transfer.extinction(scalar) * references,
+            )
+        })
+    }))
 }
 
 fn samples(voxels: u32, scalar: impl Fn(f64) -> f64) -> Vec<f64> {
@@ -85,10 +90,10 @@ fn one_scalar_is_exact_at_any_step_with_any_last_segment() {
     let transfer = "(domain: data(from: 0, to: 1), color: (1, 0.5, 0.2), extinction: [(0.0, 0.3)])";
     let stage = stage(9, |_| 0.5, transfer);
     let truth = truth(transfer, &samples(9, |_| 0.5));
-    for (backend, form) in adapters().iter().zip(STAGES) {
+    for (backend, form) in everywhere() {
         for step in ["7.9", "7.996", "2.7", "0.37"] {
             let step = format!("image.step={step}");
-            let seen = seen(&stage, backend, form, &[THREE_D, &step]);
+            let seen = seen(&stage, &backend, form, &[THREE_D, &step]);
             let error = error(seen, truth);
             println!("{backend} {form} {step}: {error:.1e}");
             assert!(error < BOUND, "{backend} {form} {step}: {seen:?}");
@@ -106,10 +111,10 @@ fn a_ramp_is_exact_at_any_step_with_any_last_segment() {
     let transfer = SMOOTH.replacen('(', "(reference_length: (voxels: 6), ", 1);
     let stage = stage(9, ramp, &transfer);
     let truth = truth(&transfer, &samples(9, ramp));
-    for (backend, form) in adapters().iter().zip(STAGES) {
+    for (backend, form) in everywhere() {
         let error = |classify: &str, step: &str| {
             let step = format!("image.step={step}");
-            error(seen(&stage, backend, form, &[classify, &step]), truth)
+            error(seen(&stage, &backend, form, &[classify, &step]), truth)
         };
         for step in ["8", "1", "3.9999", "0.83", "2.7"] {
             let error = error(THREE_D, step);
@@ -159,10 +164,10 @@ fn a_narrow_peak_is_met_by_segments_of_32_voxels() {
     let stage = stage(65, ramp, NARROW_PEAK);
     let truth = truth(NARROW_PEAK, &samples(65, ramp));
     assert!(truth[3] > 0.1);
-    for (backend, form) in adapters().iter().zip(STAGES) {
+    for (backend, form) in everywhere() {
         for step in ["image.step=32", "image.step=24"] {
             for classify in [TWO_D, THREE_D] {
-                let seen = seen(&stage, backend, form, &[classify, step]);
+                let seen = seen(&stage, &backend, form, &[classify, step]);
                 let error = error(seen, truth);
                 println!("{backend} {classify} {step}: {error:.1e}");
                 assert!(error < BOUND, "{backend} {classify} {step}: {seen:?}");
@@ -175,7 +180,7 @@ fn a_narrow_peak_is_met_by_segments_of_32_voxels() {
             }
         }
         let post = ["image.slots.classify=post", "image.step=32"];
-        let post = seen(&stage, backend, form, &post);
+        let post = seen(&stage, &backend, form, &post);
         assert!(
             error(post, truth) > 0.1,
             "samples alone must miss it: {post:?}"
@@ -193,10 +198,10 @@ fn a_table_that_ends_within_the_data_holds_its_ends() {
         .replace("(0.301, 0.0)", "(0.301, 0.02)");
     let stage = stage(65, ramp, &transfer);
     let truth = truth(&transfer, &samples(65, ramp));
-    for (backend, form) in adapters().iter().zip(STAGES) {
+    for (backend, form) in everywhere() {
         // The 2D table takes the part within as a part of a whole segment.
         for (classify, bound) in [(THREE_D, 1e-4), (TWO_D, 5e-3)] {
-            let seen = seen(&stage, backend, form, &[classify, "image.step=8"]);
+            let seen = seen(&stage, &backend, form, &[classify, "image.step=8"]);
             let error = error(seen, truth);
             println!("{backend} {classify}: {error:.1e}");
             assert!(
@@ -219,10 +224,10 @@ fn at_whole_segments_both_tables_say_the_same() {
         (OPAQUE, "image.step=8", 1e-4),
     ] {
         let stage = stage(33, ramp, transfer);
-        for (backend, form) in adapters().iter().zip(STAGES) {
+        for (backend, form) in everywhere() {
             let [flat, deep] = [TWO_D, THREE_D].map(|classify| {
                 let sets = [classify, step, "image.preintegration_size=512"];
-                seen(&stage, backend, form, &sets)
+                seen(&stage, &backend, form, &sets)
             });
             let error = error(flat, deep);
             println!("{backend} {step}: {error:.1e}");

@@ -7,7 +7,11 @@
 #![expect(clippy::unwrap_used, reason = "a harness fails by panicking")]
 
 pub mod kinds;
+pub mod layers;
+pub mod repository;
+pub mod slabs;
 pub mod trilinear;
+pub mod truth;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -172,14 +176,34 @@ pub fn open(
     backend: &str,
     size: [u32; 2],
 ) -> Result<Session, Findings> {
-    let options = options(sets, backend, size);
-    let scene = Scene::load(
+    start(load(graph, sets)?, backend, size)
+}
+
+/// Loads a graph file with `--set`s.
+///
+/// # Errors
+/// What is wrong with the scene.
+pub fn load(graph: &Path, sets: &[&str]) -> Result<Scene, Findings> {
+    // Neither is the scene's.
+    let options = options(sets, "", [1, 1]);
+    Scene::load(
         graph,
         &options.overrides,
         &options.shader_folders,
         volgraph::registry(),
         &volgraph::NoProgress,
-    )?;
+    )
+}
+
+/// Opens a session for a scene that is loaded.
+///
+/// # Errors
+/// What the device refuses.
+pub fn start(scene: Scene, backend: &str, size: [u32; 2]) -> Result<Session, Findings> {
+    let options = SessionOptions {
+        overrides: scene.overrides.clone(),
+        ..options(&[], backend, size)
+    };
     Session::start(scene, gpu(backend), &options)
 }
 

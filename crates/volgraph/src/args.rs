@@ -3,6 +3,7 @@
 mod accuracy;
 mod authors;
 mod chart;
+mod each;
 mod verify;
 
 use std::path::PathBuf;
@@ -14,6 +15,7 @@ use volgraph_volume::ScalarType;
 pub use accuracy::{AdviseArgs, ReferenceArgs, StressArgs};
 pub use authors::{GalleryArgs, GraphsArgs, NewArgs, NewSlot, TestArgs};
 pub use chart::{ChartArgs, TruthChoice};
+pub use each::EachSceneArgs;
 pub use verify::{STOCK, VerifyArgs};
 
 /// Draws volumes with WGSL shaders that plug into a render graph, and says how wrong each picture is.

@@ -10,6 +10,7 @@ mod drawing;
 mod errors;
 mod gallery;
 mod graphs;
+mod html;
 mod info;
 mod link;
 mod new;

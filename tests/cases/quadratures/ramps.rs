@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 use volgraph_optics::TransferFunction;
+use volgraph_tests::repository::choices;
 use volgraph_tests::{Stage, adapters};
 
-use super::{OWN, draw, parse, pixels, slabs, stage, worst};
+use super::{along, draw, parse, pixels, stage, worst};
 
 /// Looks along x, so that all rays are almost as long.
 const ALONG_X: &str = "look_at(eye: (-40, 3, 3.5), target: (4, 3, 3.5), fov_y: 6)";
@@ -33,7 +34,7 @@ fn ramp_pixels(
 ) -> Vec<([f64; 4], [f64; 4])> {
     let drawn = draw(scene, backend, "compute", choice, step, [20, 20]);
     pixels(&drawn, RAMP_SPAN, 7.0, |from, to| {
-        slabs(transfer, from.distance(to), 4000, |w| {
+        along(transfer, from.distance(to), 4000, |w| {
             (from.x + w * (to.x - from.x)) / 8.0
         })
     })
@@ -46,13 +47,13 @@ fn pre_integration_of_any_kind_is_right_across_narrow_peaks_and_points_are_not()
         extinction: [(0.34, 0), (0.35, 8), (0.36, 0), (0.72, 0), (0.73, 12), (0.74, 0)])";
     let (scene, transfer) = (ramp(0.0, 1.0, text), parse(text));
     for backend in adapters() {
-        for choice in OWN {
+        for choice in &choices("classify") {
             let found = ramp_pixels(&scene, &transfer, &backend, choice, 2.5);
             let (error, of_opacity) = (worst(&found), worst_of_opacity(&found));
             println!("{backend} {choice}: {error:.2e} {of_opacity:.2e}");
-            match choice {
+            match choice.as_str() {
                 // Colours of tables are right to 1e-5 of each segment.
-                "preintegrated_2d" | "second_order" => {
+                "preintegrated_2d" | "preintegrated_3d" | "second_order" => {
                     assert!(error <= 5e-5, "{backend} {choice}: {error}");
                 }
                 // The order of colours inside of a segment does not count.
@@ -101,7 +102,7 @@ fn a_bend_that_tells_nothing_is_not_trusted() {
     let scene =
         ramp(0.0, 1.0, text).with_floats("v", [9, 7, 8], |x, _, _| value(f64::from(x)) as f32);
     let truth = |from: DVec3, to: DVec3| {
-        slabs(&transfer, from.distance(to), 4000, |w| {
+        along(&transfer, from.distance(to), 4000, |w| {
             let x = from.x + w * (to.x - from.x);
             let cell = x.floor().clamp(0.0, 7.0);
             value(cell) + (x - cell) * (value(cell + 1.0) - value(cell))

@@ -3,9 +3,9 @@
 
 use glam::DVec3;
 use volgraph_tests::trilinear::Trilinear;
+use volgraph_tests::truth::truth;
 use volgraph_tests::{Stage, box_interval, graph, ray};
 
-use super::truth;
 use crate::segments;
 
 const SIZE: [u32; 2] = [20, 16];

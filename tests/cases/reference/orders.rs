@@ -2,9 +2,8 @@
 //! reference, and be beside it in the end. A wrong reference would leave a floor.
 
 use volgraph_measure::order;
+use volgraph_tests::truth::truth;
 use volgraph_tests::{Stage, adapters, render};
-
-use super::truth;
 
 const SIZE: [u32; 2] = [24, 24];
 
@@ -200,10 +199,20 @@ fn all() -> Vec<(String, String, f64, f64)> {
 }
 
 #[test]
-fn finer_steps_go_to_the_reference() {
+fn finer_steps_go_to_the_reference_without_light() {
+    hold(|slots| !slots.contains("\"light\""));
+}
+
+#[test]
+fn finer_steps_go_to_the_reference_with_light() {
+    hold(|slots| slots.contains("\"light\""));
+}
+
+fn hold(is_wanted: impl Fn(&str) -> bool) {
     let mut wrong = Vec::new();
     let backends = adapters();
-    for (at, (slots, params, least, bound)) in (0_usize..).zip(all()) {
+    let all = all().into_iter().filter(|(slots, ..)| is_wanted(slots));
+    for (at, (slots, params, least, bound)) in (0_usize..).zip(all) {
         let params = if params.trim().is_empty() || params == "," {
             String::new()
         } else {

@@ -1,9 +1,8 @@
 //! All ready graphs: the reference covers each, and fine steps agree with it, or refuses it by name.
 
 use volgraph::ready_graphs;
+use volgraph_tests::truth::truth_of;
 use volgraph_tests::{adapters, open, root};
-
-use super::truth_of;
 
 const SIZE: [u32; 2] = [48, 48];
 
@@ -40,7 +39,7 @@ fn ready_graphs_agree_with_it_or_are_refused_by_name() {
         let sets = ["image.step=0.125", "image.clip_method=accurate"];
         let is_naive = graph.name == "clip_naive";
         let sets = &sets[..if is_naive { 2 } else { 1 }];
-        let truth = match truth_of(&path, sets, SIZE) {
+        let truth = match truth_of(&path, sets, SIZE, 1e-9) {
             Ok((truth, _)) => truth,
             Err(findings) => {
                 let codes: Vec<_> = findings.into_iter().map(|finding| finding.code).collect();

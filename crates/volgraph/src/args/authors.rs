@@ -3,9 +3,8 @@
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use volgraph::ParamOverride;
 
-use super::{DataArgs, SceneArgs, ShaderArgs};
+use super::{DataArgs, EachSceneArgs, ShaderArgs};
 
 /// `volgraph new`.
 #[derive(ClapArgs, Debug)]
@@ -96,48 +95,12 @@ pub struct GalleryArgs {
     /// The folder for the pictures, index.html and gallery.md; it is made where it is not there.
     #[arg(short, long, value_name = "FOLDER")]
     pub output: PathBuf,
-    /// Width and height of each picture in pixels.
-    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = super::parse_size)]
-    pub size: [u32; 2],
     /// Frames of each graph that are timed, after the first.
     #[arg(long, value_name = "N", default_value_t = 3)]
     pub frames: u32,
-    /// Set a parameter, a slot or a source's field in every graph; may be given again.
-    #[arg(long, value_name = "NODE.PARAM=VALUE | NODE.slots.SLOT=CHOICE", value_parser = ParamOverride::parse)]
-    pub set: Vec<ParamOverride>,
-    /// Draw another volume file in every graph; may be given again. The name may be left out where a graph has one
-    /// volume, or one that is named `volume`.
-    #[arg(long, value_name = "[NAME=]FILE", value_parser = super::parse_volume)]
-    pub volume: Vec<(String, PathBuf)>,
-    /// Where volumes are.
+    /// What each graph is drawn with.
     #[command(flatten)]
-    pub data: DataArgs,
-    /// Where shaders are.
-    #[command(flatten)]
-    pub shaders: ShaderArgs,
-    /// The adapter: part of its name, a backend (vulkan, gl, metal, dx12) or a class (discrete, software, …).
-    #[arg(long, value_name = "WORDS", env = "VOLGRAPH_ADAPTER")]
-    pub adapter: Option<String>,
-    /// Print times and what was left out as JSON.
-    #[arg(long)]
-    pub json: bool,
-}
-
-impl GalleryArgs {
-    /// What `volgraph render` would be given to draw one of the graphs.
-    pub fn scene(&self, graph: &str) -> SceneArgs {
-        SceneArgs {
-            graph: PathBuf::from(graph),
-            size: self.size,
-            set: self.set.clone(),
-            volume: self.volume.clone(),
-            camera: None,
-            data: self.data.clone(),
-            shaders: self.shaders.clone(),
-            adapter: self.adapter.clone(),
-            max_resource_gib: None,
-        }
-    }
+    pub each: EachSceneArgs,
 }
 
 /// `volgraph graphs`.

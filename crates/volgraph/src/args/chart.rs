@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use volgraph::ParamOverride;
 use volgraph::methods::{Filter, SurveyOptions, parse_filters};
 
+use super::EachSceneArgs;
 use super::accuracy::TruthArgs;
-use super::{DataArgs, SceneArgs, ShaderArgs};
 
 /// `volgraph chart`.
 #[derive(ClapArgs, Debug)]
@@ -23,7 +22,7 @@ pub struct ChartArgs {
     /// "classify=post,preintegrated_2d step=0.25..4 stage=*". A range goes in doubles.
     #[arg(long, value_name = "NAME=VALUES …", default_value = "", value_parser = parse_methods)]
     pub methods: Methods,
-    /// Seconds for each graph. Spaces of at most 64 methods are measured as a whole even where that takes longer.
+    /// Seconds for the methods of each graph, besides those for its truth, which are told. Spaces of at most 64 methods are measured as a whole even where that takes longer.
     #[arg(long, value_name = "S", default_value_t = 180.0, value_parser = parse_seconds)]
     pub seconds: f64,
     /// Frames of each method near the front, at most; fewer where the time is over.
@@ -46,27 +45,9 @@ pub struct ChartArgs {
     /// How the reference is computed.
     #[command(flatten)]
     pub reference: TruthArgs,
-    /// Width and height of the pictures in pixels.
-    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = super::parse_size)]
-    pub size: [u32; 2],
-    /// Set a parameter, a slot or a source's field in every graph; may be given again.
-    #[arg(long, value_name = "NODE.PARAM=VALUE | NODE.slots.SLOT=CHOICE", value_parser = ParamOverride::parse)]
-    pub set: Vec<ParamOverride>,
-    /// Draw another volume file in every graph; may be given again.
-    #[arg(long, value_name = "[NAME=]FILE", value_parser = super::parse_volume)]
-    pub volume: Vec<(String, PathBuf)>,
-    /// Where volumes are.
+    /// What each graph is drawn with.
     #[command(flatten)]
-    pub data: DataArgs,
-    /// Where shaders are.
-    #[command(flatten)]
-    pub shaders: ShaderArgs,
-    /// The adapter: part of its name, a backend (vulkan, gl, metal, dx12) or a class (discrete, software, …).
-    #[arg(long, value_name = "WORDS", env = "VOLGRAPH_ADAPTER")]
-    pub adapter: Option<String>,
-    /// Print the measurements as JSON.
-    #[arg(long)]
-    pub json: bool,
+    pub each: EachSceneArgs,
 }
 
 /// Filters, and as they were typed.
@@ -88,21 +69,6 @@ pub enum TruthChoice {
 }
 
 impl ChartArgs {
-    /// What `volgraph render` would be given to draw one of the graphs.
-    pub fn scene(&self, graph: PathBuf) -> SceneArgs {
-        SceneArgs {
-            graph,
-            size: self.size,
-            set: self.set.clone(),
-            volume: self.volume.clone(),
-            camera: None,
-            data: self.data.clone(),
-            shaders: self.shaders.clone(),
-            adapter: self.adapter.clone(),
-            max_resource_gib: None,
-        }
-    }
-
     /// How each graph's methods are gone through.
     pub fn survey(&self) -> SurveyOptions {
         SurveyOptions {

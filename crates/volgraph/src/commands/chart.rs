@@ -48,7 +48,9 @@ pub fn run(args: &ChartArgs) -> anyhow::Result<ExitCode> {
     };
     let names = names(&args.graphs)?;
     make_folder(&args.output)?;
-    let gpu = Arc::new(Gpu::open(&args.scene(PathBuf::new()).adapter_choice())?);
+    let gpu = Arc::new(Gpu::open(
+        &args.each.scene(PathBuf::new()).adapter_choice(),
+    )?);
     let mut exhibits = Vec::new();
     for (graph, name) in args.graphs.iter().zip(names) {
         let exhibit = measure(args, graph, name, &gpu, peers.as_ref())?;
@@ -59,7 +61,7 @@ pub fn run(args: &ChartArgs) -> anyhow::Result<ExitCode> {
             format!("{}.html", exhibit.name)
         };
         write(&args.output.join(page), &page::of(&exhibit)?)?;
-        if !args.json {
+        if !args.each.json {
             output::print(&exhibit.to_text());
         }
         exhibits.push(exhibit);
@@ -68,10 +70,10 @@ pub fn run(args: &ChartArgs) -> anyhow::Result<ExitCode> {
     if exhibits.len() > 1 {
         write(&index, &page::index(&exhibits)?)?;
     }
-    if args.json {
+    if args.each.json {
         let charts = exhibits.iter().map(Exhibit::to_json);
         output::print_json(&json!({
-            "adapter": gpu.adapter(), "size": args.size, "charts": charts.collect::<Vec<_>>(),
+            "adapter": gpu.adapter(), "size": args.each.size, "charts": charts.collect::<Vec<_>>(),
         }));
     } else {
         output::print(&format!("{}", index.display()));
@@ -121,16 +123,18 @@ fn measure(
     gpu: &Arc<Gpu>,
     peers: Option<&Peers>,
 ) -> anyhow::Result<Exhibit> {
-    let scene_args = args.scene(graph.to_path_buf());
+    let scene_args = args.each.scene(graph.to_path_buf());
     let scene = load(&scene_args)?;
     let options = session_options(&scene_args, None);
-    let plan = plan_without_device(&scene, args.size)?;
+    let plan = plan_without_device(&scene, args.each.size)?;
     let roots = scene.shader_roots(Arc::new(DiskFiles));
     let space = MethodSpace::of(&plan, &roots, &scene.registry, &args.methods.filters)?;
     let bars = Bars::new();
+    let started = Instant::now();
     let yardstick = truth::of(args, &scene, gpu, &options, &plan, &bars);
     bars.clear();
     let yardstick = yardstick?;
+    let truth_seconds = started.elapsed().as_secs_f64();
     make_folder(&args.output.join(&name))?;
     let mut pictures = Pictures::new(&args.output, &name, &yardstick)?;
     let mut stand = SessionStand {
@@ -146,11 +150,11 @@ fn measure(
     bars.clear();
     drop(stand);
     let found = found?;
-    let peers = peers.map(|peers| peers.of(&scene.desc)).unwrap_or_default();
+    let others = peers.map(|peers| peers.of(&scene.desc, args.each.size));
     Ok(Exhibit {
         draws: first_sentence(&scene.text),
         graph: scene.text.clone(),
-        size: args.size,
+        size: args.each.size,
         adapter: gpu.adapter().to_string(),
         filters: args.methods.typed.clone(),
         set: scene
@@ -159,14 +163,10 @@ fn measure(
             .iter()
             .map(|set| set.typed.clone())
             .collect(),
-        // Errors in 8-bit steps cannot be told apart from those of another size or truth.
-        peers: if args.size == [512, 512] {
-            peers
-        } else {
-            Vec::new()
-        },
+        others: others.unwrap_or_default(),
         truth: yardstick.kind,
         truth_bound: yardstick.bound,
+        truth_seconds,
         core_pixels: yardstick.core.iter().filter(|is_core| **is_core).count(),
         pictures: pictures.finish(),
         survey: found,

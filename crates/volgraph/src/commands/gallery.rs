@@ -52,7 +52,7 @@ enum Shown {
 pub fn run(args: &GalleryArgs) -> anyhow::Result<ExitCode> {
     let graphs = wanted(&args.names)?;
     fs::create_dir_all(&args.output).map_err(|error| unwritable(args, &error))?;
-    let gpu = Arc::new(Gpu::open(&args.scene("").adapter_choice())?);
+    let gpu = Arc::new(Gpu::open(&args.each.scene("").adapter_choice())?);
     let adapter = gpu.adapter().to_string();
     let mut exhibits = Vec::new();
     let mut left_out = Vec::new();
@@ -60,7 +60,7 @@ pub fn run(args: &GalleryArgs) -> anyhow::Result<ExitCode> {
     for graph in &graphs {
         match draw(args, graph, &gpu) {
             Ok(Shown::Drawn(exhibit)) => {
-                if !args.json {
+                if !args.each.json {
                     output::print(&format!(
                         "{}: {:.1} ms a frame",
                         exhibit.name, exhibit.frame_ms
@@ -82,15 +82,15 @@ pub fn run(args: &GalleryArgs) -> anyhow::Result<ExitCode> {
         exhibits: &exhibits,
         left_out: &left_out,
         failed: &failed,
-        size: args.size,
+        size: args.each.size,
         adapter: &adapter,
     };
     for (file, text) in [("index.html", page.html()), ("gallery.md", page.markdown())] {
         fs::write(args.output.join(file), text).map_err(|error| unwritable(args, &error))?;
     }
-    if args.json {
+    if args.each.json {
         output::print_json(&serde_json::json!({
-            "adapter": adapter, "size": args.size, "exhibits": exhibits, "left_out": left_out, "failed": failed,
+            "adapter": adapter, "size": args.each.size, "exhibits": exhibits, "left_out": left_out, "failed": failed,
         }));
     } else {
         output::print(&format!(
@@ -125,7 +125,7 @@ fn wanted(names: &[String]) -> Result<Vec<ReadyGraph>, Findings> {
 }
 
 fn draw(args: &GalleryArgs, graph: &ReadyGraph, gpu: &Arc<Gpu>) -> Result<Shown, Findings> {
-    let scene_args = args.scene(&graph.name);
+    let scene_args = args.each.scene(graph.name.as_str());
     let path = embedded::locate(&scene_args.graph);
     let bars = Bars::new();
     let start = Instant::now();

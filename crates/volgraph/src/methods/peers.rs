@@ -2,9 +2,11 @@
 //!
 //! The table is of tab separated values with a line of names. Read are `peer`, `mode`, `volume`, `step_vox`, `median_ms`,
 //! `min_ms`, `max_ms`, `n` and `rmse8_core`; other columns are passed over. Rows without an error are of modes
-//! that have no common truth, and rows without a time failed: both are left out, and counted. Errors are in units of an
+//! that have no common truth, and rows without a time failed: both are left out. Errors are in units of an
 //! 8-bit step, over red, green and blue of core pixels ([`core_pixels`](super::core_pixels)), of pictures with 8 bits a
 //! component: rounding alone makes about 0.29 of them.
+//!
+//! Every row is shown in the chart of its scene or is counted there with the reason why not ([`ScenePeers`]).
 
 use serde::{Deserialize, Serialize};
 use volgraph_graph::GraphDesc;
@@ -34,13 +36,38 @@ pub struct Peer {
     pub core_rmse_8bit_steps: f64,
 }
 
-/// Peers of a table, and how many rows were left out.
+/// The peers of a table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Peers {
     /// The renderers, in the table's order.
     pub peers: Vec<Peer>,
     /// Rows without a time or an error.
-    pub left_out: usize,
+    pub unmeasured: usize,
+}
+
+/// The peers that a chart can be held against.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ScenePeers {
+    /// Those that drew the chart's scene, in the table's order.
+    pub peers: Vec<Peer>,
+    /// The table's other rows.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// Rows that a chart does not show.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LeftOut {
+    /// How many, one or more.
+    pub rows: usize,
+    /// The reason, said of rows.
+    pub why: &'static str,
+}
+
+impl std::fmt::Display for LeftOut {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let rows = if self.rows == 1 { "row" } else { "rows" };
+        write!(f, "{} {rows} {}", self.rows, self.why)
+    }
 }
 
 /// The columns that are read.
@@ -105,7 +132,7 @@ impl Peers {
             let (Some(median_ms), Some(core_rmse)) =
                 (positive(row.median_ms), positive(row.rmse8_core))
             else {
-                found.left_out += 1;
+                found.unmeasured += 1;
                 continue;
             };
             found.peers.push(Peer {
@@ -123,18 +150,52 @@ impl Peers {
         Ok(found)
     }
 
-    /// Those that drew the scene of a graph by emission and absorption.
+    /// Those that drew the scene of a graph by emission and absorption, for a picture of this width and height; and why
+    /// the others did not.
     #[must_use]
-    pub fn of(&self, graph: &GraphDesc) -> Vec<Peer> {
-        let volume = harness_volume(graph);
-        let peers = self.peers.iter();
-        peers
-            .filter(|peer| Some(peer.volume.as_str()) == volume)
-            .filter(|peer| MODES.contains(&peer.mode.as_str()))
-            .cloned()
-            .collect()
+    pub fn of(&self, graph: &GraphDesc, size: [u32; 2]) -> ScenePeers {
+        let scene = harness_volume(graph);
+        // Errors in 8-bit steps cannot be told apart from those of another size.
+        let reason = |peer: &Peer| match scene {
+            None => Some("not of this graph's scene"),
+            Some(_) if size != SIZE => Some("of pictures of 512 × 512 pixels"),
+            Some(volume) if peer.volume != volume => Some("of another volume"),
+            Some(_) if !MODES.contains(&peer.mode.as_str()) => {
+                Some("not of emission and absorption")
+            }
+            Some(_) => None,
+        };
+        let mut found = ScenePeers::default();
+        found.leave_out(self.unmeasured, "without a time or an error");
+        for peer in &self.peers {
+            match reason(peer) {
+                Some(why) => found.leave_out(1, why),
+                None => found.peers.push(peer.clone()),
+            }
+        }
+        found
     }
 }
+
+impl ScenePeers {
+    fn leave_out(&mut self, rows: usize, why: &'static str) {
+        match self.left_out.iter_mut().find(|it| it.why == why) {
+            Some(before) => before.rows += rows,
+            None if rows > 0 => self.left_out.push(LeftOut { rows, why }),
+            None => {}
+        }
+    }
+
+    /// The rows that are left out and why, for people; none where all are shown.
+    #[must_use]
+    pub fn left_out_words(&self) -> Option<String> {
+        let words: Vec<String> = self.left_out.iter().map(ToString::to_string).collect();
+        (!words.is_empty()).then(|| words.join(", "))
+    }
+}
+
+/// The harness's width and height.
+const SIZE: [u32; 2] = [512, 512];
 
 /// The harness's words for emission and absorption.
 const MODES: [&str; 2] = ["composite", "translucent"];

@@ -2,12 +2,13 @@
 //!
 //! First every method gets a few frames. Of a large space these are the classification, the traversal and the step in all
 //! combinations, and each other setting alone; then the neighbours of whatever is near the front, until there are no new
-//! ones or a part of the time is over. What is near the front at the end is timed for longer.
+//! ones or a part of the time is over. What is near the front at the end is timed for longer, the nearest first, until the
+//! time is over. Methods are taken in small batches, so that the time is passed by one batch at most.
 //!
 //! Frames are timed in rounds: one of each method, forwards in one round and backwards in the next, the base always among
 //! them. Times are compared by their ratio to the base's of the same round.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, VecDeque};
 
 use serde::Serialize;
 use volgraph_measure::timing::{Summary, ratio};
@@ -28,6 +29,9 @@ const SCOUTING_SHARE: f64 = 0.6;
 /// Fewest rounds of the last pass, whatever the time.
 const MIN_ROUNDS: u32 = 3;
 
+/// Most methods that are timed together. More of them would each be drawn before the time is looked at again.
+const BATCH: usize = 16;
+
 /// Told how far a survey is.
 pub trait SurveyProgress {
     /// So many of the methods that are known of are measured; or rounds of the last pass.
@@ -37,7 +41,7 @@ pub trait SurveyProgress {
 /// How a space is gone through.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SurveyOptions {
-    /// Seconds that it may take; what has been begun is ended.
+    /// Seconds that it may take; a batch that has been begun is ended, and a small space is measured as a whole.
     pub seconds: f64,
     /// Frames before those that are timed.
     pub warm_up: u32,
@@ -82,17 +86,6 @@ pub struct Survey {
     pub options: SurveyOptions,
     /// Seconds that it took.
     pub seconds: f64,
-}
-
-impl Survey {
-    /// The fastest method whose root mean squared error is at most this; none where all are worse.
-    #[must_use]
-    pub fn fastest_within(&self, rmse: f64) -> Option<&Measurement> {
-        let measured = self.measured.iter();
-        measured
-            .filter(|it| it.errors.rmse <= rmse)
-            .min_by(|a, b| a.steady_ms.total_cmp(&b.steady_ms))
-    }
 }
 
 /// Measures the methods of a space.
@@ -159,6 +152,15 @@ struct Found {
     is_refined: bool,
 }
 
+/// What methods are made ready for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Pass {
+    /// A few frames each.
+    Scouting,
+    /// More frames of what is near the front.
+    Refining,
+}
+
 struct Run<'r, S: Stand> {
     stand: &'r mut S,
     space: &'r MethodSpace,
@@ -184,40 +186,68 @@ impl<S: Stand> Run<'_, S> {
         self.refused.push((self.space.method(at), why));
     }
 
+    /// No more methods of a large space are looked at.
+    fn is_scouted(&self) -> bool {
+        self.is_over(SCOUTING_SHARE) && self.space.len() > self.options.max_whole
+    }
+
     /// Measures methods that are not known yet with a few frames each.
-    fn scout(&mut self, base: &mut S::Ready, mut methods: Vec<Vec<usize>>) -> Result<(), Findings> {
-        methods.retain(|at| self.known.insert(at.clone()));
-        let total = self.known.len();
-        let mut rest = methods.into_iter().peekable();
-        while rest.peek().is_some() {
-            let mut batch: Vec<(Found, S::Ready)> = Vec::new();
-            let mut bytes = self.stand.bytes(base);
-            while let Some(at) = rest.next_if(|_| bytes <= self.options.max_bytes) {
-                let left = rest.len();
-                if self.is_over(SCOUTING_SHARE) && self.space.len() > self.options.max_whole {
-                    self.known.remove(&at);
-                    continue;
-                }
-                match self.stand.prepare(&self.space.method(&at)) {
-                    Ok((ready, errors)) => {
-                        bytes += self.stand.bytes(&ready);
-                        let found = Found {
-                            at,
-                            errors,
-                            times: Vec::new(),
-                            base_times: Vec::new(),
-                            is_refined: false,
-                        };
-                        batch.push((found, ready));
-                    }
-                    Err(findings) => self.refuse(&at, &findings),
-                }
-                self.progress
-                    .progress("measuring methods", total - left, total);
-            }
+    fn scout(&mut self, base: &mut S::Ready, methods: Vec<Vec<usize>>) -> Result<(), Findings> {
+        let new = methods
+            .into_iter()
+            .filter(|at| self.known.insert(at.clone()));
+        let mut rest: VecDeque<Vec<usize>> = new.collect();
+        while !rest.is_empty() {
+            let batch = self.batch(base, &mut rest, Pass::Scouting);
             self.time(base, batch, self.options.scout_rounds, |_, _| true)?;
+            if self.is_scouted() {
+                for at in rest.drain(..) {
+                    self.known.remove(&at);
+                }
+            }
         }
         Ok(())
+    }
+
+    /// Makes the next methods ready: as many as are kept on the device at once.
+    fn batch(
+        &mut self,
+        base: &S::Ready,
+        rest: &mut VecDeque<Vec<usize>>,
+        pass: Pass,
+    ) -> Vec<(Found, S::Ready)> {
+        let mut batch = Vec::new();
+        let mut bytes = self.stand.bytes(base);
+        let mut taken = 0;
+        while taken < BATCH && bytes <= self.options.max_bytes {
+            if pass == Pass::Scouting && self.is_scouted() {
+                break;
+            }
+            let Some(at) = rest.pop_front() else {
+                break;
+            };
+            taken += 1;
+            match self.stand.prepare(&self.space.method(&at)) {
+                Ok((ready, errors)) => {
+                    bytes += self.stand.bytes(&ready);
+                    let found = Found {
+                        at,
+                        errors,
+                        times: Vec::new(),
+                        base_times: Vec::new(),
+                        is_refined: pass == Pass::Refining,
+                    };
+                    batch.push((found, ready));
+                }
+                Err(findings) => self.refuse(&at, &findings),
+            }
+            if pass == Pass::Scouting {
+                let total = self.known.len();
+                self.progress
+                    .progress("measuring methods", total - rest.len(), total);
+            }
+        }
+        batch
     }
 
     /// Times a batch against the base.
@@ -261,6 +291,7 @@ impl<S: Stand> Run<'_, S> {
         Ok(measured.iter().map(Measurement::point).collect())
     }
 
+    /// What is near the front, the nearest first.
     fn near(&self) -> Result<Vec<Vec<usize>>, Findings> {
         let near = near_front(&self.points()?, self.options.slack);
         Ok(near.into_iter().map(|i| self.found[i].at.clone()).collect())
@@ -276,33 +307,17 @@ impl<S: Stand> Run<'_, S> {
     /// Times what is near the front for longer.
     fn refine(&mut self, base: &mut S::Ready) -> Result<(), Findings> {
         let base_at = self.space.base();
-        let mut near: Vec<Vec<usize>> = self.near()?;
-        near.retain(|at| *at != base_at);
-        if near.is_empty() {
+        let mut rest = VecDeque::from(self.near()?);
+        rest.retain(|at| *at != base_at);
+        if rest.is_empty() {
             return self.time(base, Vec::new(), self.options.rounds, |_, _| true);
         }
-        let mut rest = near.into_iter().peekable();
         let total = self.options.rounds as usize;
-        while rest.peek().is_some() {
-            let mut batch = Vec::new();
-            let mut bytes = self.stand.bytes(base);
+        let mut is_first = true;
+        while !rest.is_empty() && (is_first || !self.is_over(1.0)) {
+            is_first = false;
             let start = self.stand.seconds();
-            while let Some(at) = rest.next_if(|_| bytes <= self.options.max_bytes) {
-                match self.stand.prepare(&self.space.method(&at)) {
-                    Ok((ready, errors)) => {
-                        bytes += self.stand.bytes(&ready);
-                        let found = Found {
-                            at,
-                            errors,
-                            times: Vec::new(),
-                            base_times: Vec::new(),
-                            is_refined: true,
-                        };
-                        batch.push((found, ready));
-                    }
-                    Err(findings) => self.refuse(&at, &findings),
-                }
-            }
+            let batch = self.batch(base, &mut rest, Pass::Refining);
             // What is left of the time is shared by the batches that are left.
             let share = batch.len() as f64 / (batch.len() + rest.len()).max(1) as f64;
             let until = start + share * (self.options.seconds - start);

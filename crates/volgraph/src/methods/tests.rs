@@ -5,7 +5,7 @@ mod surveys;
 use volgraph_shader::ParamValue;
 
 use super::filter::Wanted;
-use super::peers::{Peers, harness_volume};
+use super::peers::{Peers, ScenePeers, harness_volume};
 use super::*;
 
 fn axis(name: &str, values: &[f64], base: usize) -> Axis {
@@ -41,7 +41,8 @@ fn a_front_is_what_nothing_beats_in_both() {
     assert_eq!(front(&[]), [0_usize; 0]);
     // Of two equal ones on it both; (3, 3) is beaten one and a half times over, and (2, 3) in error alone.
     assert_eq!(near_front(&points, 1.2), [0, 1, 2, 4]);
-    assert_eq!(near_front(&points, 1.6), [0, 1, 2, 3, 4, 5]);
+    // The nearest come first.
+    assert_eq!(near_front(&points, 1.6), [0, 1, 2, 4, 3, 5]);
     // The definition, over a grid of points.
     let points: Vec<(f64, f64)> = (0..60_u32)
         .map(|i| (f64::from(i * 37 % 61), f64::from(i * 53 % 59)))
@@ -160,19 +161,41 @@ four\ttranslucent\tml\t1\t\t\t\t\t\t\t\t\t\t1.0\tTIMEOUT 120s
 #[test]
 fn tables_of_peers_are_read_and_matched_with_their_scene() {
     let peers = Peers::parse(TABLE).unwrap();
-    assert_eq!((peers.peers.len(), peers.left_out), (3, 2));
+    assert_eq!((peers.peers.len(), peers.unmeasured), (3, 2));
     assert_eq!(peers.peers[0].name, "one \"gpu\"");
     assert_eq!(peers.peers[0].core_rmse_8bit_steps, 0.8);
     assert_eq!(peers.peers[1].step, "auto");
     let graph = |text: &str| volgraph_graph::read::graph("t.ron".as_ref(), text).unwrap();
     let comparison = include_str!("../../../../graphs/comparison.ron");
-    let names =
-        |graph| -> Vec<String> { peers.of(&graph).into_iter().map(|peer| peer.name).collect() };
-    assert_eq!(names(graph(comparison)), ["one \"gpu\""]);
-    // Another transfer function, another volume: nobody else drew that.
+    let of = |text: &str, size: u32| peers.of(&graph(text), [size; 2]);
+    let shown = of(comparison, 512);
+    assert_eq!(shown.peers.len(), 1);
+    assert_eq!(shown.peers[0].name, "one \"gpu\"");
+    let why = |scene: &ScenePeers| -> Vec<(usize, &str)> {
+        scene.left_out.iter().map(|it| (it.rows, it.why)).collect()
+    };
+    assert_eq!(
+        why(&shown),
+        [
+            (2, "without a time or an error"),
+            (1, "of another volume"),
+            (1, "not of emission and absorption"),
+        ]
+    );
+    // Another transfer function, another volume, another size: nobody else drew that, and every row is told of.
     let other = comparison.replace("transfer/comparison.ron", "transfer/other.ron");
-    assert!(names(graph(&other)).is_empty());
-    assert!(names(graph(&comparison.replace("128, 128, 128", "64, 64, 64"))).is_empty());
+    let smaller = comparison.replace("128, 128, 128", "64, 64, 64");
+    for (scene, reason) in [
+        (of(&other, 512), "not of this graph's scene"),
+        (of(&smaller, 512), "not of this graph's scene"),
+        (of(comparison, 256), "of pictures of 512 × 512 pixels"),
+    ] {
+        assert!(scene.peers.is_empty());
+        assert_eq!(
+            why(&scene),
+            [(2, "without a time or an error"), (3, reason)]
+        );
+    }
 
     for wrong in [
         TABLE.replace("median_ms", "median"),

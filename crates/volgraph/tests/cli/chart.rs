@@ -66,6 +66,7 @@ fn a_chart_has_a_row_a_point_and_pictures_for_each_method() {
     assert_eq!(survey["product"], 4);
     assert_eq!(survey["measured"].as_array().unwrap().len(), 4, "{survey}");
     assert_eq!(json["charts"][0]["truth"], "reference");
+    assert!(json["charts"][0]["truth_seconds"].as_f64().unwrap() > 0.0);
     let table = text(&scratch, "out/ball.csv");
     let rows: Vec<&str> = table.lines().collect();
     assert_eq!(rows.len(), 1 + 4);
@@ -94,6 +95,29 @@ fn a_chart_has_a_row_a_point_and_pictures_for_each_method() {
         }
     }
     assert!(scratch.path().join("out/ball/truth.png").is_file());
+}
+
+#[test]
+fn rows_of_other_renderers_that_are_not_shown_are_told() {
+    let scratch = scratch();
+    let head = "peer\tmode\tvolume\tstep_vox\tmedian_ms\tmin_ms\tmax_ms\tn\trmse8_core";
+    let rows = "one\tcomposite\tml\t1\t42\t40\t50\t9\t0.8\ntwo\tcomposite\tml\t1\t\t\t\t\t";
+    scratch.write("peers.tsv", format!("{head}\n{rows}\n"));
+    // A ball is none of the scenes that others drew.
+    let json = chart(
+        &scratch,
+        &format!("classify=post {METHODS}"),
+        &["--peers", "peers.tsv"],
+    );
+    let left_out = serde_json::json!([
+        { "rows": 1, "why": "without a time or an error" },
+        { "rows": 1, "why": "not of this graph's scene" },
+    ]);
+    assert_eq!(json["charts"][0]["peers"], serde_json::json!([]));
+    assert_eq!(json["charts"][0]["peers_left_out"], left_out);
+    let words = "1 row without a time or an error, 1 row not of this graph's scene";
+    let page = text(&scratch, "out/index.html").replace("&#39;", "'");
+    assert!(page.contains(words), "{page}");
 }
 
 #[test]

@@ -102,6 +102,18 @@ fn root() -> PathBuf {
         .unwrap()
 }
 
+/// The ready graphs that lie in this folder of the repository, by name.
+fn graphs_in(folder: &str) -> Vec<String> {
+    let files = std::fs::read_dir(root().join(folder)).unwrap();
+    let files = files.map(|entry| entry.unwrap().path());
+    let mut names: Vec<String> = files
+        .filter(|path| path.is_file())
+        .map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned())
+        .collect();
+    names.sort();
+    names
+}
+
 /// Copies a folder of the repository.
 fn copy(name: &str, to: &Path) {
     fn copy_folder(from: &Path, to: &Path) {

@@ -10,7 +10,10 @@ fn a_breaking_point_comes_as_a_table_and_a_page() {
     assert!(drawn.stdout.contains("fails, as known"), "{}", drawn.stdout);
     let page = std::fs::read_to_string(scratch.path().join("page/index.html")).unwrap();
     assert!(page.contains("cut-through-samples") && page.contains("<svg"));
-    for picture in page.split("src=\"").skip(1) {
+    let pictures: Vec<&str> = page.split("src=\"").skip(1).collect();
+    // The truth, and of two methods what was drawn and its errors.
+    assert_eq!(pictures.len(), 5);
+    for picture in pictures {
         let name = picture.split('"').next().unwrap();
         assert!(scratch.path().join("page").join(name).is_file(), "{name}");
     }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use volgraph::Findings;
-use volgraph::methods::peers::Peer;
+use volgraph::methods::peers::{Peer, ScenePeers};
 use volgraph::methods::{Measurement, MethodSpace, Survey, TruthKind, front};
 
 use super::pictures::AllFiles;
@@ -26,12 +26,14 @@ pub struct Exhibit {
     pub filters: String,
     /// What was set on the command line.
     pub set: Vec<String>,
-    /// Other renderers of the same scene.
-    pub peers: Vec<Peer>,
+    /// Other renderers of the same scene, and the table's rows that are not.
+    pub others: ScenePeers,
     /// Where the truth comes from.
     pub truth: TruthKind,
     /// Bound of its own error.
     pub truth_bound: Option<f64>,
+    /// Seconds that the truth took, which the survey's time does not have.
+    pub truth_seconds: f64,
     /// How many pixels are core pixels.
     pub core_pixels: usize,
     /// The pictures.
@@ -86,7 +88,7 @@ pub struct Beaten<'e> {
 impl Exhibit {
     /// The error of the chart: peers' where there are some.
     pub fn metric(&self) -> Metric {
-        if self.peers.is_empty() {
+        if self.others.peers.is_empty() {
             Metric::Rmse
         } else {
             Metric::CoreSteps
@@ -127,8 +129,8 @@ impl Exhibit {
             measured.steady_ms < peer.median_ms
                 && metric.of_rounded(measured) < peer.core_rmse_8bit_steps
         };
-        self.peers
-            .iter()
+        let peers = self.others.peers.iter();
+        peers
             .map(|peer| Beaten {
                 peer,
                 by: self
@@ -154,11 +156,12 @@ impl Exhibit {
     /// The front, for people.
     pub fn to_text(&self) -> String {
         let mut lines = vec![format!(
-            "{}: {} of {} methods measured in {:.0} s, {} refused; the front:",
+            "{}: {} of {} methods measured in {:.0} s, after {:.0} s for the truth; {} refused; the front:",
             self.name,
             self.survey.measured.len(),
             self.survey.product,
             self.survey.seconds,
+            self.truth_seconds,
             self.survey.refused.len()
         )];
         let varied = self.varied();
@@ -175,13 +178,17 @@ impl Exhibit {
         for (method, why) in &self.survey.refused {
             lines.push(format!("  refused: {method}: {why}"));
         }
+        if let Some(left_out) = self.others.left_out_words() {
+            lines.push(format!("  other renderers, not shown: {left_out}"));
+        }
         lines.join("\n")
     }
 
     /// Everything, for programs.
     pub fn to_json(&self) -> Value {
         json!({
-            "name": self.name, "survey": self.survey, "peers": self.peers,
+            "name": self.name, "survey": self.survey,
+            "peers": self.others.peers, "peers_left_out": self.others.left_out, "truth_seconds": self.truth_seconds,
             "truth": match self.truth { TruthKind::Reference => "reference", TruthKind::Fine => "fine" },
             "truth_bound": self.truth_bound,
         })

@@ -1,6 +1,6 @@
 //! The pages: of one graph, and the index of several. They read nothing but the pictures beside them.
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 use serde_json::{Value, json};
 use volgraph::Findings;
 use volgraph::methods::{FINE_STEP, Measurement, TruthKind};
@@ -9,6 +9,7 @@ use volgraph_graph::print::CONVENTIONS;
 use super::exhibit::{Exhibit, Metric, short};
 use super::pictures::map_colors;
 use super::plot::{self, Plot};
+use crate::commands::html::Page;
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
@@ -24,7 +25,7 @@ pub fn of(exhibit: &Exhibit) -> Result<String, Findings> {
         p { (exhibit.draws) }
         p class="soft" {
             (exhibit.survey.measured.len()) " of " (exhibit.survey.product) " methods, "
-            (exhibit.size[0]) " × " (exhibit.size[1]) " pixels on " (exhibit.adapter) ". "
+            (exhibit.size[0]) " × " (exhibit.size[1]) " pixels. "
             a href=(format!("{}.csv", exhibit.name)) { "table" } ", "
             a href=(format!("{}.svg", exhibit.name)) { "chart" } ", "
             a href=(format!("{}/truth.png", exhibit.name)) { "truth" }
@@ -64,7 +65,8 @@ pub fn of(exhibit: &Exhibit) -> Result<String, Findings> {
         script type="application/json" id="points" data-first=(first) { (PreEscaped(points)) }
         script { (PreEscaped(SCRIPT)) }
     };
-    Ok(page(&format!("volgraph: {}", exhibit.name), &body))
+    let title = format!("volgraph: {}", exhibit.name);
+    Ok(page(&title, &exhibit.adapter).around(&body))
 }
 
 /// The page that leads to the others.
@@ -84,26 +86,18 @@ pub fn index(exhibits: &[Exhibit]) -> Result<String, Findings> {
     let adapter = exhibits.first().map_or("", |exhibit| &exhibit.adapter);
     let body = html! {
         h1 { "Speed against accuracy" }
-        p class="soft" { (exhibits.len()) " graphs on " (adapter) "." }
+        p class="soft" { (exhibits.len()) " graphs." }
         div class="charts" { @for card in cards { (card) } }
     };
-    Ok(page("volgraph: charts", &body))
+    Ok(page("volgraph: charts", adapter).around(&body))
 }
 
-fn page(title: &str, body: &Markup) -> String {
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (title) }
-                style { (PreEscaped(STYLE)) }
-            }
-            body { (body) }
-        }
+fn page<'p>(title: &'p str, adapter: &'p str) -> Page<'p> {
+    Page {
+        title,
+        style: STYLE,
+        adapter,
     }
-    .into_string()
 }
 
 /// The drawing with a place to point at for each measurement.
@@ -236,8 +230,14 @@ fn peers(exhibit: &Exhibit) -> Markup {
     let beaten = exhibit.beaten();
     let axes = exhibit.varied();
     html! {
-        @if !beaten.is_empty() {
+        @let left_out = exhibit.others.left_out_words();
+        @if !beaten.is_empty() || left_out.is_some() {
             h2 { "Other renderers" }
+        }
+        @if let Some(left_out) = left_out {
+            p class="soft" { "Not shown of the table that was given: " (left_out) "." }
+        }
+        @if !beaten.is_empty() {
             p {
                 "Errors are in 8-bit steps (1/255) over red, green and blue of the " (exhibit.core_pixels)
                 " core pixels, whose rays cross at least 4 voxels between voxel centres, each renderer against the float64 truth of its own \
@@ -299,7 +299,7 @@ fn how(exhibit: &Exhibit) -> Markup {
         exhibit.set.join(", ")
     };
     html! {
-        p { b { "Truth: " } (truth) "." }
+        p { b { "Truth: " } (truth) ". It took " (format!("{:.0}", exhibit.truth_seconds)) " s." }
         p { b { "Errors: " } "of linear premultiplied red, green, blue and alpha in the graph's own view, 1 is white: the root of the mean \
             square, the largest, and the 99.9th percentile of the pixels' largest. Core steps: of red, green and blue of the "
             (exhibit.core_pixels) " pixels whose rays cross at least 4 voxels between voxel centres, times 255; in 8 bits: of the picture rounded \
@@ -312,7 +312,7 @@ fn how(exhibit: &Exhibit) -> Markup {
             (options.scout_rounds) " frames of each method after " (options.warm_up) " that was not timed, up to " (options.rounds)
             " of those within a factor of " (options.slack) " of the front." }
         p { b { "Methods: " } (survey.product) " combinations. " (whole) " It took " (format!("{:.0}", survey.seconds)) " s of "
-            (options.seconds) ". Narrowed by: " (if exhibit.filters.is_empty() { "nothing" } else { &exhibit.filters })
+            (options.seconds) ", besides the truth. Narrowed by: " (if exhibit.filters.is_empty() { "nothing" } else { &exhibit.filters })
             ". Set: " (set) "." }
         @if !exhibit.shared().is_empty() { p { b { "All with: " } (exhibit.shared().join(", ")) "." } }
     }

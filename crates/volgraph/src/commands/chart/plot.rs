@@ -33,11 +33,19 @@ fn plotted(exhibit: &Exhibit) -> Result<Plot, Box<dyn std::error::Error>> {
     let errors = measured.iter().map(|it| metric.of(it));
     let rounded = measured.iter().map(|it| metric.of_rounded(it));
     let rounded = rounded.filter(|_| metric == Metric::CoreSteps);
-    let peers = exhibit.peers.iter().map(|peer| peer.core_rmse_8bit_steps);
+    let peers = exhibit
+        .others
+        .peers
+        .iter()
+        .map(|peer| peer.core_rmse_8bit_steps);
     let times = measured.iter().map(|it| it.steady_ms);
-    let peer_times = exhibit.peers.iter().map(|peer| peer.median_ms);
+    let peer_times = exhibit.others.peers.iter().map(|peer| peer.median_ms);
     // Labels are left of the front, and right of peers.
-    let right = if exhibit.peers.is_empty() { 0.08 } else { 0.24 };
+    let right = if exhibit.others.peers.is_empty() {
+        0.08
+    } else {
+        0.24
+    };
     let x = Axis::decades(times.chain(peer_times), (0.24, right));
     let y = Axis::decades(errors.chain(rounded).chain(peers), (0.12, 0.07));
     let (group, colors) = groups(exhibit);
@@ -99,16 +107,16 @@ fn plotted(exhibit: &Exhibit) -> Result<Plot, Box<dyn std::error::Error>> {
             chart.draw_series([Circle::new(at(0), 10, INK.stroke_width(1))])?;
         }
         let peer_at = |i: usize| {
-            let peer = &exhibit.peers[i];
+            let peer = &exhibit.others.peers[i];
             (peer.median_ms, peer.core_rmse_8bit_steps)
         };
-        for i in 0..exhibit.peers.len() {
+        for i in 0..exhibit.others.peers.len() {
             chart.draw_series([Cross::new(peer_at(i), 6, INK.stroke_width(2))])?;
         }
         let places: Vec<(i32, i32)> = (0..measured.len())
             .map(|i| chart.backend_coord(&at(i)))
             .collect();
-        let peer_places: Vec<(i32, i32)> = (0..exhibit.peers.len())
+        let peer_places: Vec<(i32, i32)> = (0..exhibit.others.peers.len())
             .map(|i| chart.backend_coord(&peer_at(i)))
             .collect();
         // Labels last, over everything, where there is room.
@@ -125,7 +133,7 @@ fn plotted(exhibit: &Exhibit) -> Result<Plot, Box<dyn std::error::Error>> {
                 area.draw_text(&label, &style, place)?;
             }
         }
-        for (i, peer) in exhibit.peers.iter().enumerate() {
+        for (i, peer) in exhibit.others.peers.iter().enumerate() {
             let label = format!("{} · {}", peer.name, peer.step);
             if let Some(place) = labels.place(&label, peer_places[i], HPos::Left) {
                 let style = small.pos(Pos::new(HPos::Left, VPos::Center));

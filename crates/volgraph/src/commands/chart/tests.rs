@@ -1,6 +1,6 @@
 //! Pages and tables of two methods and three peers.
 
-use volgraph::methods::peers::Peer;
+use volgraph::methods::peers::{LeftOut, Peer, ScenePeers};
 use volgraph::methods::{Axis, Errors, Measurement, MethodSpace, Survey, SurveyOptions, TruthKind};
 use volgraph_measure::timing::Summary;
 use volgraph_shader::ParamValue;
@@ -67,13 +67,20 @@ fn exhibit() -> Exhibit {
         adapter: "some <adapter>".to_owned(),
         filters: String::new(),
         set: Vec::new(),
-        peers: vec![
-            peer("slow & wrong", 30.0, 0.5),
-            peer("fast", 5.0, 0.5),
-            peer("exact", 30.0, 0.29),
-        ],
+        others: ScenePeers {
+            peers: vec![
+                peer("slow & wrong", 30.0, 0.5),
+                peer("fast", 5.0, 0.5),
+                peer("exact", 30.0, 0.29),
+            ],
+            left_out: vec![LeftOut {
+                rows: 2,
+                why: "of another volume",
+            }],
+        },
         truth: TruthKind::Reference,
         truth_bound: Some(1e-9),
+        truth_seconds: 7.0,
         core_pixels: 12,
         pictures: [].into(),
         survey: Survey {
@@ -106,6 +113,18 @@ fn texts_are_escaped_and_every_method_is_there() {
     assert_eq!(page.matches("</script>").count(), 2);
     assert!(page.contains("some &lt;adapter&gt;") && page.contains("slow &amp; wrong"));
     assert!(page.contains("0.29 of them") && page.contains("1.0e-9"));
+    // What is not shown or not counted is said, on the page and in the terminal.
+    assert!(page.contains("2 rows of another volume") && page.contains("It took 7 s"));
+    let text = exhibit.to_text();
+    assert!(
+        text.contains("not shown: 2 rows of another volume"),
+        "{text}"
+    );
+    assert!(text.contains("after 7 s for the truth"), "{text}");
+    let mut alone = self::exhibit();
+    alone.others.peers.clear();
+    let page = page::of(&alone).unwrap();
+    assert!(page.contains("2 rows of another volume") && !page.contains("0.29 of them"));
     let index = page::index(&[exhibit]).unwrap();
     assert!(index.contains("href=\"ball.html\""));
 }

@@ -2,9 +2,10 @@
 
 use std::fmt::Write as _;
 
-use maud::{DOCTYPE, html};
+use maud::html;
 
 use super::Exhibit;
+use crate::commands::html;
 
 /// What a gallery shows.
 pub struct Page<'g> {
@@ -16,64 +17,53 @@ pub struct Page<'g> {
 }
 
 const STYLE: &str = "
-    body { margin: 2rem; background: #15171a; color: #d8dce0; font: 15px/1.45 system-ui, sans-serif; }
-    a { color: inherit; }
     main { display: grid; gap: 1.5rem; grid-template-columns: repeat(auto-fill, minmax(20rem, 1fr)); }
     article { background: #1f2226; border-radius: 6px; overflow: hidden; }
     article > div { padding: .6rem 1rem 1rem; }
     img { display: block; width: 100%; height: auto; background: #000; }
-    h2 { margin: .2rem 0; font-size: 1.1rem; }
-    p { margin: .3rem 0; }
     .time { color: #93a0ad; }
-    pre { overflow-x: auto; font-size: 12px; }
 ";
 
 impl Page<'_> {
     /// The page. It shows the pictures beside it and reads nothing else.
     pub fn html(&self) -> String {
         let [width, height] = self.size;
-        html! {
-            (DOCTYPE)
-            html lang="en" {
-                head {
-                    meta charset="utf-8";
-                    meta name="viewport" content="width=device-width, initial-scale=1";
-                    title { "volgraph: gallery" }
-                    style { (maud::PreEscaped(STYLE)) }
-                }
-                body {
-                    h1 { "volgraph: gallery" }
-                    p { (self.exhibits.len()) " graphs of " (width) " × " (height) " pixels on " (self.adapter)
-                        ". A frame's time is the median of some, reading back included." }
-                    @if !self.left_out.is_empty() {
-                        p { "Left out, as their volumes were not found: " (self.left_out.join(", ")) "." }
-                    }
-                    @if !self.failed.is_empty() {
-                        p { "Failed: " (self.failed.join(", ")) "." }
-                    }
-                    main {
-                        @for exhibit in self.exhibits {
-                            article id=(exhibit.name) {
-                                a href=(exhibit.picture) {
-                                    img src=(exhibit.picture) alt=(exhibit.draws) width=(width) height=(height) loading="lazy";
-                                }
-                                div {
-                                    h2 { (exhibit.name) }
-                                    p { (exhibit.draws) }
-                                    p class="time" { (format!("{:.1}", exhibit.frame_ms)) " ms a frame, "
-                                        (format!("{:.0}", exhibit.first_ms)) " ms to the first" }
-                                    details {
-                                        summary { "volgraph render " (exhibit.name) " -o " (exhibit.picture) }
-                                        pre { (exhibit.graph) }
-                                    }
-                                }
+        let body = html! {
+            h1 { "volgraph: gallery" }
+            p { (self.exhibits.len()) " graphs of " (width) " × " (height) " pixels. \
+                A frame's time is the median of some, reading back included." }
+            @if !self.left_out.is_empty() {
+                p { "Left out, as their volumes were not found: " (self.left_out.join(", ")) "." }
+            }
+            @if !self.failed.is_empty() {
+                p { "Failed: " (self.failed.join(", ")) "." }
+            }
+            main {
+                @for exhibit in self.exhibits {
+                    article id=(exhibit.name) {
+                        a href=(exhibit.picture) {
+                            img src=(exhibit.picture) alt=(exhibit.draws) width=(width) height=(height) loading="lazy";
+                        }
+                        div {
+                            h2 { (exhibit.name) }
+                            p { (exhibit.draws) }
+                            p class="time" { (format!("{:.1}", exhibit.frame_ms)) " ms a frame, "
+                                (format!("{:.0}", exhibit.first_ms)) " ms to the first" }
+                            details {
+                                summary { "volgraph render " (exhibit.name) " -o " (exhibit.picture) }
+                                pre { (exhibit.graph) }
                             }
                         }
                     }
                 }
             }
-        }
-        .into_string()
+        };
+        let page = html::Page {
+            title: "volgraph: gallery",
+            style: STYLE,
+            adapter: self.adapter,
+        };
+        page.around(&body)
     }
 
     /// The pictures with names and sentences, three in a row.

@@ -3,20 +3,19 @@
 use std::fs;
 use std::path::Path;
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 use volgraph::stress::{CaseReport, MethodReport, Pixels, Verdict};
 use volgraph::{Finding, Findings, Picture, Place};
 use volgraph_picture::SaveOptions;
 
 use super::curve;
+use crate::commands::html::Page;
 use crate::commands::{drawing, errors};
 
 const STYLE: &str = "
-    body { margin: 2rem auto; max-width: 78rem; padding: 0 1rem; background: #15171a; color: #d8dce0;
-           font: 15px/1.45 system-ui, sans-serif; }
+    body { margin: 2rem auto; max-width: 78rem; padding: 0 1rem; }
     a { color: #8fb8e8; }
     section { background: #1f2226; border-radius: 6px; padding: 1rem 1.4rem; margin: 1.2rem 0; }
-    h2 { margin: .2rem 0; font-size: 1.2rem; }
     p { margin: .3rem 0 .8rem; }
     table { border-collapse: collapse; margin: .4rem 0; }
     th, td { text-align: left; padding: .15rem 1.2rem .15rem 0; vertical-align: top; }
@@ -30,7 +29,6 @@ const STYLE: &str = "
     .holds { color: #7fd19a; } .fails { color: #e8b84a; } .broken { color: #ff6b5e; font-weight: 700; }
     .why { color: #93a0ad; }
     .key { display: inline-block; width: .7rem; height: .7rem; border-radius: 50%; margin-right: .4rem; }
-    pre { overflow-x: auto; font-size: 12px; }
 ";
 
 /// Writes the page and its pictures into a folder.
@@ -56,27 +54,21 @@ pub fn write(
 
 fn page(reports: &[CaseReport], adapter: &str, seconds: f64) -> Result<String, Findings> {
     let sections: Result<Vec<Markup>, Finding> = reports.iter().map(section).collect();
-    Ok(html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "volgraph: breaking points" }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                h1 { "Breaking points of volume rendering" }
-                p { (reports.len()) " breaking points on " (adapter) ", in " (format!("{seconds:.0}")) " s. Each is swept; \
-                    pictures are of the point where a method is worst, beside the truth there. Error maps are \
-                    logarithmic: black at a hundredth of the bound, blue below it, yellow to red up to a hundred times as \
-                    much; magenta where a value is missing or no number." }
-                (summary(reports))
-                @for section in sections? { (section) }
-            }
-        }
-    }
-    .into_string())
+    let body = html! {
+        h1 { "Breaking points of volume rendering" }
+        p { (reports.len()) @if reports.len() == 1 { " breaking point, in " } @else { " breaking points, in " } (format!("{seconds:.0}")) " s. Each is swept; \
+            pictures are of the point where a method is worst, beside the truth there. Error maps are \
+            logarithmic: black at a hundredth of the bound, blue below it, yellow to red up to a hundred times as \
+            much; magenta where a value is missing or no number." }
+        (summary(reports))
+        @for section in sections? { (section) }
+    };
+    let page = Page {
+        title: "volgraph: breaking points",
+        style: STYLE,
+        adapter,
+    };
+    Ok(page.around(&body))
 }
 
 /// All methods in one table.

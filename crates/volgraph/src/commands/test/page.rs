@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 use volgraph::case::{CaseReport, Outcome, Verdict};
 use volgraph::{CaseOptions, Findings};
 use volgraph_gpu::Gpu;
@@ -11,12 +11,11 @@ use volgraph_gpu::Gpu;
 use super::chart::{self, Plot};
 use super::pictures::{Pictures, difference};
 use super::{summary, unwritable};
+use crate::commands::html::Page;
 
 const STYLE: &str = "
-    body { margin: 2rem; background: #15171a; color: #d8dce0; font: 15px/1.45 system-ui, sans-serif; }
-    a { color: inherit; }
     section { background: #1f2226; border-radius: 6px; padding: .4rem 1rem 1rem; margin: 1rem 0; }
-    h1 { font-size: 1.5rem; } h2 { font-size: 1.1rem; margin: .4rem 0; }
+    h1 { font-size: 1.5rem; }
     table { border-collapse: collapse; width: 100%; }
     td, th { text-align: left; vertical-align: top; padding: .3rem .8rem .3rem 0; border-top: 1px solid #2d3136; }
     td.figures { min-width: 16rem; color: #b3bcc5; }
@@ -26,7 +25,6 @@ const STYLE: &str = "
     figure { margin: 0; max-width: 12rem; }
     img { display: block; width: 9rem; height: auto; image-rendering: pixelated; background: #000; }
     figcaption { font-size: 12px; color: #93a0ad; overflow-wrap: anywhere; }
-    pre { overflow-x: auto; font-size: 12px; }
     svg { max-width: 100%; height: auto; }
     .note { color: #93a0ad; }
 ";
@@ -45,30 +43,24 @@ pub fn write(folder: &Path, reports: &[CaseReport], options: &CaseOptions) -> an
         Ok(gpu) => gpu.adapter().to_string(),
         Err(error) => error.to_string(),
     };
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "volgraph: shader tests" }
-                style { (PreEscaped(STYLE)) }
-            }
-            body {
-                h1 { "volgraph: shader tests" }
-                p { (summary(reports)) " on " (adapter) ", with volgraph " (env!("CARGO_PKG_VERSION")) "." }
-                p class="note" {
-                    "Errors are of linear, premultiplied RGBA: rmse over all components, max of one. Pictures are sRGB over "
-                    "their background. A raycast runs in the fragment shader unless the case says otherwise. A difference is "
-                    "absolute, in linear light, times the factor below it."
-                }
-                (contents(reports))
-                @for case in &cases { (case) }
-            }
+    let body = html! {
+        h1 { "volgraph: shader tests" }
+        p { (summary(reports)) "." }
+        p class="note" {
+            "Errors are of linear, premultiplied RGBA: rmse over all components, max of one. Pictures are sRGB over "
+            "their background. A raycast runs in the fragment shader unless the case says otherwise. A difference is "
+            "absolute, in linear light, times the factor below it."
         }
+        (contents(reports))
+        @for case in &cases { (case) }
+    };
+    let page = Page {
+        title: "volgraph: shader tests",
+        style: STYLE,
+        adapter: &adapter,
     };
     let file = folder.join("index.html");
-    fs::write(&file, page.into_string()).map_err(|error| unwritable(&file, &error))?;
+    fs::write(&file, page.around(&body)).map_err(|error| unwritable(&file, &error))?;
     Ok(())
 }
 

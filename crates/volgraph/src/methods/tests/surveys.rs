@@ -13,6 +13,8 @@ use crate::methods::*;
 /// A stand whose times and errors are functions of the settings, on a machine that gets slower with every frame.
 struct Fake {
     clock: f64,
+    /// By how much each second slows the machine down.
+    drift: f64,
     /// Every frame: method and number.
     log: Rc<RefCell<Vec<(String, u32)>>>,
     prepared: usize,
@@ -22,6 +24,7 @@ impl Fake {
     fn new() -> Self {
         Self {
             clock: 0.0,
+            drift: 0.1,
             log: Rc::default(),
             prepared: 0,
         }
@@ -54,8 +57,7 @@ impl Frames for Fake {
 
     fn frame(&mut self, ready: &mut Method, number: u32) -> Result<f64, Findings> {
         self.log.borrow_mut().push((ready.to_string(), number));
-        // Each second slows the machine down by a tenth.
-        let time = 10.0 / Self::value(ready, "step") * (1.0 + 0.1 * self.clock);
+        let time = 10.0 / Self::value(ready, "step") * (1.0 + self.drift * self.clock);
         self.clock += 1e-3 * time;
         Ok(time)
     }
@@ -152,15 +154,6 @@ fn a_whole_space_is_measured_and_drift_cancels() {
         .collect();
     assert_eq!(front.len(), 4, "{front:?}");
     assert!(front.iter().all(|method| method.ends_with("bad=1.0")));
-    // A bound on the error is met by the longest step that does; a bound that nothing meets by none.
-    let fastest = |rmse: f64| {
-        survey
-            .fastest_within(rmse)
-            .map(|it| Fake::value(&it.method, "step"))
-    };
-    assert_eq!(fastest(1e-3), Some(1.0));
-    assert_eq!(fastest(5e-3), Some(2.0));
-    assert_eq!(fastest(1e-5), None);
     // What is on the front was timed for longer.
     let rounds = options.rounds as usize;
     for measured in survey.measured.iter().skip(1) {
@@ -248,4 +241,54 @@ fn a_large_space_is_searched_from_the_front_outwards_and_within_its_time() {
     let short = survey(&mut fake, &space, &options, &Silent).unwrap();
     assert_eq!((short.measured.len(), fake.prepared), (1, 1));
     assert_eq!(short.measured[0].ratio.median, 1.0);
+}
+
+#[test]
+fn a_survey_passes_its_time_by_a_batch_at_most() {
+    let doubles: Vec<f64> = (0..7).map(|i| 2_f64.powi(i)).collect();
+    let many: Vec<f64> = (1..=16).map(f64::from).collect();
+    let space = space(vec![
+        axis("step", &doubles, 0),
+        axis("classify", &many, 0),
+        axis("traverse", &many, 0),
+    ]);
+    let options = SurveyOptions {
+        seconds: 5.0,
+        ..SurveyOptions::default()
+    };
+    let found = survey(&mut Fake::new(), &space, &options, &Silent).unwrap();
+    // Sixteen methods and the base, a frame that is not timed and three that are, each of 16 ms at most.
+    let batch = 17.0 * 4.0 * 0.016;
+    assert!(
+        found.seconds <= options.seconds + batch,
+        "{}",
+        found.seconds
+    );
+    assert!((40..found.product).contains(&found.measured.len()));
+}
+
+#[test]
+fn where_the_time_is_over_the_nearest_to_the_front_are_refined() {
+    let doubles: Vec<f64> = (0..8).map(|i| 2_f64.powi(i)).collect();
+    let factors: Vec<f64> = (1..=8).map(f64::from).collect();
+    // Errors of the same step are in the ratio of `worse`, which takes no time.
+    let space = space(vec![axis("worse", &factors, 0), axis("step", &doubles, 0)]);
+    let options = SurveyOptions {
+        seconds: 0.0,
+        slack: 1e9,
+        ..SurveyOptions::default()
+    };
+    let mut steady = Fake::new();
+    steady.drift = 0.0;
+    let found = survey(&mut steady, &space, &options, &Silent).unwrap();
+    // A small space is measured as a whole, and then there is time for one batch.
+    assert_eq!(found.measured.len(), 64);
+    let refined = |worse: f64| {
+        let measured = found.measured.iter().filter(|it| it.is_refined);
+        measured
+            .filter(|it| Fake::value(&it.method, "worse") == worse)
+            .count()
+    };
+    let counts: Vec<usize> = factors.iter().map(|worse| refined(*worse)).collect();
+    assert_eq!(counts, [8, 8, 1, 0, 0, 0, 0, 0]);
 }

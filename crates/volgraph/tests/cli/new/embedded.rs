@@ -3,7 +3,7 @@
 use volgraph::Picture;
 
 use super::SMALL;
-use crate::{SPHERE, Scratch, TRANSFER, graph, root};
+use crate::{SPHERE, Scratch, TRANSFER, graph, graphs_in, root};
 
 fn metadata(picture: &Picture, key: &str) -> String {
     let entry = picture.metadata.iter().find(|(name, _)| name == key);
@@ -149,12 +149,7 @@ fn ready_graphs_are_listed_shown_and_written() {
     ] {
         assert!(list.contains(part), "{part}: {list}");
     }
-    let on_disk = ["graphs", "graphs/scans"]
-        .iter()
-        .flat_map(|folder| std::fs::read_dir(root().join(folder)).unwrap());
-    let count = on_disk
-        .filter(|entry| entry.as_ref().unwrap().path().is_file())
-        .count();
+    let count = graphs_in("graphs").len() + graphs_in("graphs/scans").len();
     assert_eq!(list.lines().count(), count);
     let json = scratch.run(&["graphs", "--json"]).ok().json();
     assert_eq!(json.as_array().unwrap().len(), count);
