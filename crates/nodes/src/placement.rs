@@ -145,14 +145,15 @@ pub fn normalised_range(volume: &Volume) -> (f64, f64) {
     }
 }
 
-/// The smallest and largest value that the volume has; one apart where there is one alone.
+/// The smallest and largest value that the volume has; one apart where there is one alone, or what tells two numbers
+/// as large apart.
 #[must_use]
 pub fn data_range(volume: &Volume) -> (f64, f64) {
     let (low, high) = volume.statistics().range().unwrap_or((0.0, 1.0));
     if high > low {
         (low, high)
     } else {
-        (low, low + 1.0)
+        (low, low + (1e-9 * low.abs()).max(1.0))
     }
 }
 
