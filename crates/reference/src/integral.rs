@@ -94,6 +94,8 @@ pub struct Light {
     pub half: Option<f64>,
     /// Bound of the absolute error of any component so far.
     pub error: f64,
+    /// No component of what is yet to come is larger.
+    pub brightest: f64,
 }
 
 impl Default for Light {
@@ -103,6 +105,7 @@ impl Default for Light {
             transmittance: 1.0,
             half: None,
             error: 0.0,
+            brightest: 1.0,
         }
     }
 }
@@ -138,7 +141,7 @@ impl Light {
             count -= 1;
             parts += 1;
             let (start, end, halvings) = open[count];
-            let part = Part::new(start, end, length, &matter);
+            let part = Part::new((start, end), length, self.brightest, &matter);
             let error = self.transmittance * part.error;
             let is_over = error > allowance * (end - start) * length;
             if is_over && halvings < MAX_HALVINGS && parts < MAX_PARTS {
@@ -180,7 +183,12 @@ struct Part {
 }
 
 impl Part {
-    fn new(start: f64, end: f64, length: f64, matter: &impl Fn(f64) -> ([f64; 3], f64)) -> Self {
+    fn new(
+        (start, end): (f64, f64),
+        length: f64,
+        brightest: f64,
+        matter: &impl Fn(f64) -> ([f64; 3], f64),
+    ) -> Self {
         let rule = rule();
         let (middle, reach) = (0.5 * (start + end), 0.5 * (end - start));
         let half = reach * length;
@@ -221,8 +229,8 @@ impl Part {
             color[channel] = half * sum(&rule.weights, &values);
             error = error.max(tail(&values));
         }
-        // An error of the depth changes everything behind it, and that is at most 1.
-        error = error.max(tail(&emitted)) + tail(&extinctions).min(1.0);
+        // An error of the depth changes everything behind it.
+        error = error.max(tail(&emitted)) + brightest * tail(&extinctions).min(1.0);
         Self {
             start,
             end,
