@@ -3,7 +3,8 @@
 //! Extinction and emission are taken at seven Gauss-Legendre points; the optical depth up to each of them is the
 //! integral of the polynomial through the extinctions (collocation), and the emission seen through it is summed by
 //! Gauss's weights. The last two Legendre coefficients of both integrands bound the error from above: what they
-//! leave out is smaller still. Where the bound is over the tolerance, the piece is halved.
+//! leave out is smaller still; and the emission of white must come to the opacity, which is known. Where the bound is over
+//! the tolerance, the piece is halved.
 
 use std::sync::OnceLock;
 
@@ -229,6 +230,12 @@ impl Part {
             color[channel] = half * sum(&rule.weights, &values);
             error = error.max(tail(&values));
         }
+        // What is emitted in white is the opacity, which is known. In a piece so deep that all points but none of its light
+        // are behind the light's end, this alone tells.
+        let opacity = half * sum(&rule.weights, &emitted);
+        let missed = (opacity + (-depth).exp_m1()).abs();
+        let white = colors.iter().flatten().copied().fold(0.0, f64::max);
+        error = error.max(white * missed);
         // An error of the depth changes everything behind it.
         error = error.max(tail(&emitted)) + brightest * tail(&extinctions).min(1.0);
         Self {
