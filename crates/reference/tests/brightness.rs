@@ -1,5 +1,7 @@
 //! Tolerances hold for what is brighter than 1: it shows through little transmittance that would hide anything else.
 
+#![expect(clippy::unwrap_used, reason = "a case fails by panicking")]
+
 use glam::DVec3;
 use volgraph_optics::{Material, TransferFunction};
 use volgraph_reference::{

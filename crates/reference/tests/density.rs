@@ -1,5 +1,7 @@
 //! Matter so dense that all of its light comes from a sliver of a cell: no point of a rule may miss it.
 
+#![expect(clippy::unwrap_used, reason = "a case fails by panicking")]
+
 use glam::DVec3;
 use volgraph_optics::TransferFunction;
 use volgraph_reference::{Field, Look, Materials, Matter, Rays, Scene, Silent, render};
