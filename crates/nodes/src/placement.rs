@@ -164,6 +164,16 @@ pub(crate) fn texture_from_world(grid: &Grid) -> DAffine3 {
     texture_from_index * grid.world_from_index.inverse()
 }
 
+/// Index coordinates of another grid, laid over a grid's box axis by axis, from world positions.
+pub(crate) fn over_box(grid: &Grid, other: &Grid) -> DAffine3 {
+    let (box_low, box_high) = grid.box_index();
+    let (low, high) = other.box_index();
+    DAffine3::from_translation(low)
+        * DAffine3::from_scale((high - low) / (box_high - box_low))
+        * DAffine3::from_translation(-box_low)
+        * grid.world_from_index.inverse()
+}
+
 fn dims(grid: &Grid) -> DVec3 {
     DVec3::from_array(grid.dims.map(f64::from))
 }
