@@ -21,8 +21,9 @@ struct LitTables {
 
 // Ambient, diffuse, specular and shininess at a scalar.
 fn lit_tables_material(scalar: f32) -> vec4f {
-    let place = vec2f(scalar * lit_tables.entry_scale + lit_tables.entry_bias, 0.5);
-    return textureSampleLevel(material_table, nearest_sampler, place, 0.0);
+    // Clamped here: see `transfer_coordinate`.
+    let place = clamp(scalar * lit_tables.entry_scale + lit_tables.entry_bias, 0.0, 1.0);
+    return textureSampleLevel(material_table, nearest_sampler, vec2f(place, 0.5), 0.0);
 }
 
 // Ambient colour and highlight of a segment (0), or its diffuse colour and the highlight times its shininess (1).

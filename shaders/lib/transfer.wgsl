@@ -2,14 +2,24 @@
 #import slot "transfer_reach"
 #import slot "transfer_tables"
 
+// Texture coordinate of a scalar's entry. Samplers clamp it, but software ones count texels in 32 bits before they do: of
+// 2^31 texels beyond the last one they make the first.
+fn transfer_coordinate(scalar: f32) -> f32 {
+    let place = scalar * transfer.entry_scale + transfer.entry_bias;
+    if transfer_reach_is_short() {
+        return clamp(place, 0.0, 1.0);
+    }
+    return place;
+}
+
 // Linear colour and extinction per reference length at a scalar.
 fn transfer_at(scalar: f32) -> vec4f {
-    return transfer_entry(scalar * transfer.entry_scale + transfer.entry_bias);
+    return transfer_entry(transfer_coordinate(scalar));
 }
 
 // As `transfer_at`, linear between two entries: the nearest one is a floor under errors of quadratures of order 4.
 fn transfer_linear(scalar: f32) -> vec4f {
-    let place = (scalar * transfer.entry_scale + transfer.entry_bias) * transfer.entries - 0.5;
+    let place = transfer_coordinate(scalar) * transfer.entries - 0.5;
     let low = floor(place);
     let near = transfer_entry((low + 0.5) / transfer.entries);
     return mix(near, transfer_entry((low + 1.5) / transfer.entries), place - low);

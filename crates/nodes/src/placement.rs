@@ -145,14 +145,15 @@ pub fn normalised_range(volume: &Volume) -> (f64, f64) {
     }
 }
 
-/// The smallest and largest value that the volume has; one apart where there is one alone.
+/// The smallest and largest value that the volume has; one apart where there is one alone, or what tells two numbers
+/// as large apart.
 #[must_use]
 pub fn data_range(volume: &Volume) -> (f64, f64) {
     let (low, high) = volume.statistics().range().unwrap_or((0.0, 1.0));
     if high > low {
         (low, high)
     } else {
-        (low, low + 1.0)
+        (low, low + (1e-9 * low.abs()).max(1.0))
     }
 }
 
@@ -161,6 +162,16 @@ pub(crate) fn texture_from_world(grid: &Grid) -> DAffine3 {
     let texture_from_index =
         DAffine3::from_scale(1.0 / dims(grid)) * DAffine3::from_translation(DVec3::splat(0.5));
     texture_from_index * grid.world_from_index.inverse()
+}
+
+/// Index coordinates of another grid, laid over a grid's box axis by axis, from world positions.
+pub(crate) fn over_box(grid: &Grid, other: &Grid) -> DAffine3 {
+    let (box_low, box_high) = grid.box_index();
+    let (low, high) = other.box_index();
+    DAffine3::from_translation(low)
+        * DAffine3::from_scale((high - low) / (box_high - box_low))
+        * DAffine3::from_translation(-box_low)
+        * grid.world_from_index.inverse()
 }
 
 fn dims(grid: &Grid) -> DVec3 {

@@ -7,7 +7,7 @@ use volgraph_report::Finding;
 use volgraph_shader::{ParamSpec, UniformValue};
 
 use crate::integral_table;
-use crate::placement::{columns, f32_value, texture_from_world, vec3, volume};
+use crate::placement::{columns, f32_value, over_box, texture_from_world, vec3, volume};
 use crate::preintegration::tiles;
 use crate::raycast::{TablePorts, transfer_uniform};
 use crate::source::segments::{LABELS, SegmentsSource};
@@ -68,13 +68,8 @@ pub(crate) fn placed(node: &NodeContext<'_>) -> Result<Placed, Finding> {
     let grid = volume(node, "volume")?.grid();
     let labels = volume(node, "labels")?.grid();
     let (low, high) = labels.box_index();
-    let (box_low, box_high) = grid.box_index();
     let index_from_world = if node.text("label_placement") == "box" {
-        let scale = (high - low) / (box_high - box_low);
-        DAffine3::from_translation(low)
-            * DAffine3::from_scale(scale)
-            * DAffine3::from_translation(-box_low)
-            * grid.world_from_index.inverse()
+        over_box(grid, labels)
     } else {
         labels.world_from_index.inverse()
     };

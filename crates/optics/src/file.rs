@@ -50,7 +50,8 @@
 //! - `domain: normalised`, which is the default, counts positions 0 to 1 over the range of the volume's stored type;
 //!   `range` over the values that it has; `data` in its own values.
 //! - With `domain: data` the tables span the first to the last position given, those of a map's `from` and
-//!   `to` and of the material included; with `data(from, to)` no control point may lie outside.
+//!   `to` and of the material included; with `data(from, to)` no control point may lie outside. Where something
+//!   steps right at their start, they start a little before it.
 //! - A list has at most 4096 points, the text at most 256 KiB.
 //!
 //! # Codes of findings
@@ -194,6 +195,19 @@ pub(crate) fn parse(file: &Path, text: &str) -> Result<TransferFunction, Finding
     let Some(color) = color else {
         return Err(findings);
     };
+    let starts_with_a_step = begins_with_a_step(&color.curve, range.0)
+        || begins_with_a_step(absorption.curve(), range.0)
+        || refraction
+            .as_ref()
+            .is_some_and(|curve| begins_with_a_step(curve, range.0))
+        || material
+            .curves()
+            .any(|curve| begins_with_a_step(curve, range.0));
+    let range = if starts_with_a_step && domain == Domain::Data {
+        (range.0 - STEP_MARGIN * (range.1 - range.0), range.1)
+    } else {
+        range
+    };
     findings.into_result(TransferFunction {
         domain,
         range,
@@ -203,6 +217,14 @@ pub(crate) fn parse(file: &Path, text: &str) -> Result<TransferFunction, Finding
         refraction,
         material,
     })
+}
+
+/// So much of the range tables start before a step at its very start: their first entry, which stands for all that is
+/// below, is then what is before the step. An entry of the smallest table over one scalar.
+const STEP_MARGIN: f64 = 1.0 / 1024.0;
+
+fn begins_with_a_step<const N: usize>(curve: &Curve<N>, start: f64) -> bool {
+    matches!(curve.points(), [(first, _), (second, _), ..] if *first == start && *second == start)
 }
 
 fn missing(whole: &Place, name: &str, help: &str) -> Finding {

@@ -66,12 +66,13 @@ impl MaterialField {
         &self.points
     }
 
+    /// Those of the values that have one.
+    pub(crate) fn curves(&self) -> impl Iterator<Item = &Curve<1>> {
+        self.curves.iter().flatten()
+    }
+
     pub(crate) fn knots(&self) -> Vec<f64> {
-        self.curves
-            .iter()
-            .flatten()
-            .flat_map(Curve::knots)
-            .collect()
+        self.curves().flat_map(Curve::knots).collect()
     }
 
     pub(crate) fn at(&self, s: f64, default: Material) -> Material {

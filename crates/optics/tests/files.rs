@@ -77,6 +77,35 @@ fn extinction_is_linear_in_extinction() {
 }
 
 #[test]
+fn tables_start_before_a_step_at_the_very_start() {
+    // Values below the step are those before it, in tables as in the transfer function itself.
+    for text in [
+        "(domain: data, color: (1, 1, 1), opacity: [(2, 0), (2, 0.5), (4, 1)])",
+        "(domain: data(from: 2, to: 4), color: (1, 1, 1), opacity: [(2, 0), (2, 0.5), (4, 1)])",
+        "(domain: data, color: [(2, (0, 0, 0)), (2, (1, 1, 1)), (4, (0, 1, 0))], opacity: [(2, 0.25), (3, 1)])",
+        "(domain: data, color: (1, 1, 1), opacity: [(2, 0), (4, 1)], refraction: [(2, 1), (2, 1.5)])",
+        "(domain: data, color: (1, 1, 1), opacity: [(2, 0), (4, 1)],
+          material: [(at: 2, diffuse: 1), (at: 2, diffuse: 0.5)])",
+    ] {
+        let transfer = parse(text).unwrap();
+        let (low, high) = transfer.range();
+        assert!(low < 2.0 && low > 1.99 && high == 4.0, "{text}: {low}");
+        let table = transfer.post_table(8192).unwrap().entries;
+        let below = transfer.color(1.0).map(|c| c as f32);
+        assert_eq!(table[0][..3], below, "{text}");
+        assert_eq!(table[0][3], transfer.extinction(1.0) as f32, "{text}");
+        // The entry next to the step itself is the later one.
+        let nearest = ((2.0 - low) / (high - low) * 8191.0).round() as usize;
+        let late = f64::from(table[nearest][3]) - transfer.extinction(2.0);
+        assert!(late.abs() < 1e-3, "{text}: {late}");
+        let again = parse(&transfer.to_ron()).unwrap();
+        assert_eq!(again, transfer, "{text}");
+    }
+    let no_step = "(domain: data, color: (1, 1, 1), opacity: [(2, 0), (3, 0.5), (3, 1)])";
+    assert_eq!(parse(no_step).unwrap().range(), (2.0, 3.0));
+}
+
+#[test]
 fn data_units_span_what_is_given() {
     let range = |text: &str| parse(text).unwrap().range();
     assert_eq!(

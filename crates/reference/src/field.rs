@@ -157,20 +157,6 @@ impl Field {
         self.min_spacing
     }
 
-    /// World length of the shortest side of its box.
-    #[must_use]
-    pub fn shortest_side(&self) -> f64 {
-        let spacing = self.spacing();
-        (spacing * (self.box_high - self.box_low)).min_element()
-    }
-
-    /// World length from a sample to the next along each axis.
-    #[must_use]
-    pub fn spacing(&self) -> DVec3 {
-        let world_from_index = self.index_from_world.matrix3.inverse();
-        DVec3::from_array([0, 1, 2].map(|axis| world_from_index.col(axis).length()))
-    }
-
     /// The smallest and the largest sample.
     #[must_use]
     pub fn range(&self) -> (f64, f64) {

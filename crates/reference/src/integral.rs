@@ -3,7 +3,8 @@
 //! Extinction and emission are taken at seven Gauss-Legendre points; the optical depth up to each of them is the
 //! integral of the polynomial through the extinctions (collocation), and the emission seen through it is summed by
 //! Gauss's weights. The last two Legendre coefficients of both integrands bound the error from above: what they
-//! leave out is smaller still. Where the bound is over the tolerance, the piece is halved.
+//! leave out is smaller still; and the emission of white must come to the opacity, which is known. Where the bound is over
+//! the tolerance, the piece is halved.
 
 use std::sync::OnceLock;
 
@@ -94,6 +95,8 @@ pub struct Light {
     pub half: Option<f64>,
     /// Bound of the absolute error of any component so far.
     pub error: f64,
+    /// No component of what is yet to come is larger.
+    pub brightest: f64,
 }
 
 impl Default for Light {
@@ -103,6 +106,7 @@ impl Default for Light {
             transmittance: 1.0,
             half: None,
             error: 0.0,
+            brightest: 1.0,
         }
     }
 }
@@ -138,7 +142,7 @@ impl Light {
             count -= 1;
             parts += 1;
             let (start, end, halvings) = open[count];
-            let part = Part::new(start, end, length, &matter);
+            let part = Part::new((start, end), length, self.brightest, &matter);
             let error = self.transmittance * part.error;
             let is_over = error > allowance * (end - start) * length;
             if is_over && halvings < MAX_HALVINGS && parts < MAX_PARTS {
@@ -180,7 +184,12 @@ struct Part {
 }
 
 impl Part {
-    fn new(start: f64, end: f64, length: f64, matter: &impl Fn(f64) -> ([f64; 3], f64)) -> Self {
+    fn new(
+        (start, end): (f64, f64),
+        length: f64,
+        brightest: f64,
+        matter: &impl Fn(f64) -> ([f64; 3], f64),
+    ) -> Self {
         let rule = rule();
         let (middle, reach) = (0.5 * (start + end), 0.5 * (end - start));
         let half = reach * length;
@@ -221,8 +230,14 @@ impl Part {
             color[channel] = half * sum(&rule.weights, &values);
             error = error.max(tail(&values));
         }
-        // An error of the depth changes everything behind it, and that is at most 1.
-        error = error.max(tail(&emitted)) + tail(&extinctions).min(1.0);
+        // What is emitted in white is the opacity, which is known. In a piece so deep that all points but none of its light
+        // are behind the light's end, this alone tells.
+        let opacity = half * sum(&rule.weights, &emitted);
+        let missed = (opacity + (-depth).exp_m1()).abs();
+        let white = colors.iter().flatten().copied().fold(0.0, f64::max);
+        error = error.max(white * missed);
+        // An error of the depth changes everything behind it.
+        error = error.max(tail(&emitted)) + brightest * tail(&extinctions).min(1.0);
         Self {
             start,
             end,

@@ -93,6 +93,37 @@ impl Look {
         }
     }
 
+    /// No component of what matter and surfaces show is larger.
+    pub(crate) fn brightest(&self) -> f64 {
+        let of_matter = self.matter.as_ref().map_or(0.0, Matter::brightest);
+        let of_layers = self.layers.iter().flat_map(|layer| layer.color);
+        let color = of_layers.fold(of_matter, f64::max);
+        let Some(lamps) = &self.lamps else {
+            return color;
+        };
+        let lit: f64 = lamps
+            .iter()
+            .map(|lamp| lamp.color.into_iter().fold(0.0, f64::max))
+            .sum();
+        // Of a transfer function's materials no value but the shininess is more than 1.
+        let share = |given: f64| {
+            if self.materials.by_transfer {
+                1.0
+            } else {
+                given
+            }
+        };
+        let Material {
+            ambient,
+            diffuse,
+            specular,
+            shininess: _,
+        } = self.materials.default;
+        let shown = color * (share(ambient) + share(diffuse) * lit) + share(specular) * lit;
+        // What is flat is not lit.
+        color.max(shown)
+    }
+
     /// Linear premultiplied colour of a projected scalar.
     pub(crate) fn toned(&self, scalar: f64) -> [f64; 4] {
         match (&self.tone, &self.matter) {

@@ -15,6 +15,8 @@ pub struct Matter {
     /// The positions that tables span; beyond them the ends hold.
     range: (f64, f64),
     extinction_per_world: f64,
+    /// The largest component of its colours.
+    brightest: f64,
 }
 
 /// What a point makes of light, where the transfer function says and where it does not.
@@ -78,7 +80,14 @@ impl Matter {
             extinction_per_world: transfer
                 .reference_length()
                 .extinction_per_world(min_spacing),
+            brightest: transfer.color_bounds()[1].into_iter().fold(0.0, f64::max),
         }
+    }
+
+    /// The largest component of its colours.
+    #[must_use]
+    pub fn brightest(&self) -> f64 {
+        self.brightest
     }
 
     /// The data values between which everything is smooth.

@@ -171,7 +171,9 @@ fn pixel(scene: &Scene, x: u32, y: u32, tolerance: f64) -> Pixel {
         })
     };
     let composited = |with_matter, surfaces| {
-        let walk = light(&sight, tolerance, with_matter, surfaces);
+        let behind = scene.background.at(&scene.rays, x, y);
+        let behind = behind.into_iter().fold(0.0, f64::max);
+        let walk = light(&sight, tolerance, with_matter, surfaces, behind);
         let [r, g, b] = walk.light.color;
         Pixel {
             color: [r, g, b, 1.0 - walk.light.transmittance],

@@ -104,7 +104,7 @@ impl Scene {
         }
         let mut hashed = Hashed(blake3::Hasher::new());
         // Writing into a hasher cannot fail.
-        let _ = write!(hashed, "volgraph reference 2 {self:?}");
+        let _ = write!(hashed, "volgraph reference 4 {self:?}");
         *hashed.0.finalize().as_bytes()
     }
 }

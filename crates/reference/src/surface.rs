@@ -6,6 +6,7 @@ use crate::clip::towards_eye;
 use crate::curve::Curve;
 use crate::lit::Shine;
 use crate::look::Lamp;
+use crate::scene::Shadow;
 use crate::shadow::{self, Lit};
 use crate::sight::{Part, Sight};
 
@@ -19,12 +20,14 @@ pub(crate) struct Hit {
     pub(crate) opacity: f64,
     /// Unit normal towards the eye.
     pub(crate) normal: DVec3,
+    /// Bound of the error of the lamps' shares that reach it.
+    pub(crate) error: f64,
 }
 
 /// What a walk over the parts of a ray has come through.
 pub(crate) struct SurfaceWalk {
     has_faces: bool,
-    /// Absolute tolerance of colours.
+    /// Absolute tolerance of the lamps' shares.
     tolerance: f64,
     /// Where the last curve ended, and whether that was in the solid.
     end: f64,
@@ -74,6 +77,7 @@ impl SurfaceWalk {
                         color: self.color(sight, part, &point, first, layer.color),
                         opacity: layer.opacity,
                         normal,
+                        error: self.error(sight),
                     });
                 }
             }
@@ -103,6 +107,7 @@ impl SurfaceWalk {
                         color: self.color(sight, part, &point, layer.level, layer.color),
                         opacity: layer.opacity,
                         normal,
+                        error: self.error(sight),
                     });
                 }
             }
@@ -110,6 +115,15 @@ impl SurfaceWalk {
         }
         self.end = curve.end;
         self.is_solid = look.is_solid(curve.at(1.0));
+    }
+
+    /// Of shares that are all or nothing there is none.
+    fn error(&self, sight: &Sight<'_>) -> f64 {
+        if sight.scene.shadow == Shadow::Matter {
+            self.tolerance
+        } else {
+            0.0
+        }
     }
 
     /// Linear colour towards the eye of a point.

@@ -5,6 +5,7 @@ use glam::DVec3;
 use crate::curve::Curve;
 use crate::integral::Light;
 use crate::lit::LitCurve;
+use crate::look::Look;
 use crate::pieces::{Piece, split};
 use crate::sight::{Part, Sight};
 use crate::surface::{Hit, SurfaceWalk};
@@ -19,23 +20,32 @@ pub(crate) struct Walk<'a, 's> {
     least: f64,
 }
 
-/// The light of a ray, to an absolute tolerance. `surfaces` says whether faces and isosurfaces are drawn.
+/// The light of a ray, to an absolute tolerance. `surfaces` says whether faces and isosurfaces are drawn; no component of
+/// what lies behind is larger than `behind`.
 pub(crate) fn light<'a, 's>(
     sight: &'a Sight<'s>,
     tolerance: f64,
     with_matter: bool,
     surfaces: Option<bool>,
+    behind: f64,
 ) -> Walk<'a, 's> {
+    let looks = sight.scene.looks.iter().map(Look::brightest);
+    // The opacity is one of the components.
+    let brightest = looks.fold(behind.max(1.0), f64::max);
     let lengths = sight.parts.iter().map(|part| part.far - part.near);
     let mut walk = Walk {
         sight,
-        light: Light::default(),
+        light: Light {
+            brightest,
+            ..Light::default()
+        },
         normal: DVec3::ZERO,
         allowance: 0.5 * tolerance / lengths.sum::<f64>().max(f64::MIN_POSITIVE),
         // What comes behind so little light is below the tolerance.
-        least: 0.5 * tolerance,
+        least: 0.5 * tolerance / brightest,
     };
-    let mut surfaces = surfaces.map(|has_faces| SurfaceWalk::new(has_faces, tolerance));
+    // Shadows change what lamps show, all of them by the same share at most.
+    let mut surfaces = surfaces.map(|has_faces| SurfaceWalk::new(has_faces, tolerance / brightest));
     for part in &sight.parts {
         let mut hits = Vec::new();
         sight.walk(part, |curve| {
@@ -46,7 +56,7 @@ pub(crate) fn light<'a, 's>(
             walk.curve(part, curve, with_matter, &hits)
         });
         if walk.is_done() {
-            walk.light.error += walk.light.transmittance;
+            walk.light.error += brightest * walk.light.transmittance;
             break;
         }
     }
@@ -70,6 +80,8 @@ impl<'s> Walk<'_, 's> {
             if let Some(hit) = hit {
                 let before = self.light.half;
                 let distance = curve.distance(to);
+                self.light.error +=
+                    self.light.transmittance * hit.opacity * self.light.brightest * hit.error;
                 self.light.surface(hit.color, hit.opacity, distance);
                 if before.is_none() && self.light.half.is_some() {
                     self.normal = hit.normal;

@@ -253,7 +253,8 @@ impl GuardSite {
             )
             .help(
                 "give it an end that is always reached: a `for` with a fixed last number, or a `break` that does not \
-                 depend on what may be NaN or stand still",
+                 depend on what may be NaN or stand still; if it has one, let fewer turns do (a longer `step` or \
+                 `shadow_step`): software drivers end all loops of a pixel after some 65,000 turns together",
             ),
             Hazard::Load { texture } => Finding::warning(
                 "out-of-range-load",

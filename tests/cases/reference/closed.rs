@@ -48,7 +48,9 @@ fn worst(
                 None => [0.0; 4],
             };
             for (seen, expected) in seen.iter().zip(expected) {
-                worst = worst.max((seen - expected).abs());
+                let off = (seen - expected).abs();
+                assert!(off.is_finite(), "{x} {y}: {seen}");
+                worst = worst.max(off);
             }
         }
     }
@@ -60,6 +62,20 @@ fn worst(
 fn seen(depth: f64) -> [f64; 4] {
     let opacity = -(-depth).exp_m1();
     [opacity, 0.5 * opacity, 0.25 * opacity, opacity]
+}
+
+#[test]
+fn one_large_value_alone_has_a_range() {
+    // The only value is the range's start, however large; one more than 1e20 is 1e20 again, and a range of nothing has no
+    // places.
+    let transfer = "(domain: range, reference_length: (world: 1), color: (1, 0.5, 0.25), extinction: [(0, 0.1), (1, 0.4)])";
+    let stage = stage(CAMERAS[0], "", "", |_, _, _| 1e20).with("transfer.ron", transfer);
+    let absorbed = |_, (near, far)| seen(0.1 * (far - near));
+    assert!(worst(&stage, &[], absorbed) < 1e-9);
+    // The isovalue half-way up is above it.
+    let nothing = |_, _| [0.0; 4];
+    let surface = ["image.slots.technique=isosurface"];
+    assert_eq!(worst(&stage, &surface, nothing), 0.0);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Where users' positions count from, and the clips that they make.
 
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 use volgraph_reference::{Clip, Field, Shape};
 use volgraph_report::Finding;
 use volgraph_volume::Grid;
@@ -106,20 +106,10 @@ fn clip_volume(values: &Values<'_>) -> Result<Shape, Finding> {
     let mut field = Field::new(other);
     if values.text("clip_volume_place") == "box" {
         let grid = placement::volume(node, "volume")?.grid();
-        field = field.placed(over_box(grid, other.grid()));
+        field = field.placed(placement::over_box(grid, other.grid()));
     }
     let unit = values.text("clip_isovalue_unit");
     let level = scalar(node, "clip_volume", values.float("clip_isovalue"), unit)?;
     let field = Box::new(field);
     Ok(Shape::Volume { field, level })
-}
-
-/// Index coordinates of another grid, laid over a grid's box axis by axis, from world positions.
-pub(super) fn over_box(grid: &Grid, other: &Grid) -> DAffine3 {
-    let (box_low, box_high) = grid.box_index();
-    let (low, high) = other.box_index();
-    DAffine3::from_translation(low)
-        * DAffine3::from_scale((high - low) / (box_high - box_low))
-        * DAffine3::from_translation(-box_low)
-        * grid.world_from_index.inverse()
 }

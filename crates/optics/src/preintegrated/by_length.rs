@@ -95,7 +95,14 @@ impl TransferFunction {
 
     fn layer(&self, cells: &Cells<super::piece::Piece<3>>, n: u32, length: f64) -> Vec<[f32; 4]> {
         let packed = |[r, g, b]: [f64; 3], extinction: f64| {
-            [r, g, b, (extinction - NEXT_TO_NOTHING).max(0.0)].map(|value| value as f32)
+            // Rounding leaves 1e-25 of nothing, and whoever draws would no longer know it for nothing.
+            let rest = extinction - NEXT_TO_NOTHING;
+            let rest = if rest > 1e-6 * NEXT_TO_NOTHING {
+                rest
+            } else {
+                0.0
+            };
+            [r, g, b, rest].map(|value| value as f32)
         };
         let constant = |i| {
             let s = node(self.range(), n, i);

@@ -84,6 +84,19 @@ fn between_layers_the_error_is_what_the_documentation_says_and_falls_with_their_
 }
 
 #[test]
+fn where_nothing_absorbs_there_is_nothing_at_all() {
+    let text = "(color: (1, 0.5, 0.2), opacity: [(0, 0), (0.5, 0), (0.6, 0.3), (1, 0.3)])";
+    let table = transfer(text).preintegrated_table_3d(64, 5, 3.7).unwrap();
+    for (front, back) in (0..31).flat_map(|front| (0..31).map(move |back| (front, back))) {
+        for layer in 0..5 {
+            let [.., extinction] = table.entry(front, back, layer).unwrap();
+            assert_eq!(extinction, 0.0, "{front} to {back} in {layer}");
+        }
+    }
+    assert!(table.entry(30, 33, 1).unwrap()[3] > 0.0);
+}
+
+#[test]
 fn a_segment_of_no_length_has_the_mean_weighted_by_extinction() {
     // c(s) = s under τ(s) = 3 s, from 0 to 1: ∫ s² / ∫ s = 2/3 either way; and where nothing absorbs, the plain mean.
     let rising =
