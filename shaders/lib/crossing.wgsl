@@ -6,8 +6,8 @@
 struct Params {
     /// How crossings are found inside of a segment: `none` takes its end (order 1 in the step), `linear` interpolates
     /// (order 2), `bisection` halves and samples, `cubic` solves the trilinear field cell by cell: exact, at any step, with
-    /// all crossings. `cubic` needs the slot `reconstruct` to be `trilinear`; the others see only segments whose ends lie
-    /// on both sides. @default linear @choices none linear bisection cubic
+    /// all crossings. `cubic` needs the slot `reconstruct` to be `trilinear`, with others the default is `bisection` (of
+    /// `refraction_surface`, `linear`); the others see only segments whose ends lie on both sides. @default cubic @choices none linear bisection cubic
     refinement: u32,
     /// How often `bisection` halves a segment. @default 6 @range 1 24
     bisections: u32,

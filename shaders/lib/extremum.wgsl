@@ -3,8 +3,8 @@
 
 struct Params {
     /// What a projection takes the extremum of: `samples`, those of the walk (order 2 in the step), or `field`, the trilinear
-    /// field between them as well, cell by cell: exact at any step. `field` needs the slot `reconstruct` to be `trilinear`.
-    /// @default field @choices samples field
+    /// field between them as well, cell by cell: exact at any step. `field` needs the slot `reconstruct` to be `trilinear`;
+    /// with others the default is `samples`. @default field @choices samples field
     extremum: u32,
 }
 

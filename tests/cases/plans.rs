@@ -118,7 +118,8 @@ fn an_unlit_graph_has_no_gradient_node_texture_or_binding_and_phong_has() {
 fn tables_are_made_for_the_classification_that_reads_them() {
     let stage = stage("{}", "{}");
     let has = |sets: &[&str], name: &str| names(&plan(&stage, sets)).contains(&name.to_owned());
-    assert!(has(&[], "image.transfer_table") && !has(&[], "image.preintegration"));
+    let sampled = ["image.slots.classify=post"];
+    assert!(has(&sampled, "image.transfer_table") && !has(&sampled, "image.preintegration"));
     let preintegrated = ["image.slots.classify=preintegrated_2d"];
     assert!(
         !has(&preintegrated, "image.transfer_table") && has(&preintegrated, "image.preintegration")
@@ -243,7 +244,7 @@ fn a_table_of_another_transfer_function_is_refused() {
             r#"path: "v_8x8x8_float32.raw""#,
             "orbit(azimuth: 0, elevation: 0)",
             "{}",
-            "{}",
+            r#"{ "classify": "post" }"#,
             "{}",
         )
         .replace(

@@ -56,7 +56,13 @@ pub fn demand(
             continue;
         };
         graph.nodes[id].program = Some(program.clone());
-        let specs = graph.nodes[id].specs();
+        let mut specs = graph.nodes[id].specs();
+        let context = NodeContext::new(&graph, id, limits);
+        for spec in &mut specs {
+            if let Some(default) = kind.default_of(&spec.name, &context) {
+                spec.default = default;
+            }
+        }
         graph.nodes[id].fill_params(&specs);
         for inherited in &program.spec.inherited {
             inherit(&mut graph, id, &program, inherited);

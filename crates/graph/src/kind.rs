@@ -9,7 +9,7 @@ use std::fmt;
 use indexmap::IndexMap;
 use serde::Serialize;
 use volgraph_report::Finding;
-use volgraph_shader::{ParamSpec, UniformValue};
+use volgraph_shader::{ParamSpec, ParamValue, UniformValue};
 
 use crate::desc::ParamDesc;
 use crate::node_context::NodeContext;
@@ -212,6 +212,13 @@ pub trait NodeKind: Send + Sync {
     /// Its slots.
     fn slots(&self) -> &[SlotSpec] {
         &[]
+    }
+
+    /// The default of a parameter that its shader declares, where it is another than the shader's because of what the node
+    /// is made of.
+    fn default_of(&self, param: &str, node: &NodeContext<'_>) -> Option<ParamValue> {
+        let _ = (param, node);
+        None
     }
 
     /// The uniforms it fills itself, beside `lens`, `camera` and `params`.

@@ -75,6 +75,10 @@ impl NodeKind for LightVolume {
         Raycast.slots()
     }
 
+    fn default_of(&self, param: &str, node: &NodeContext<'_>) -> Option<ParamValue> {
+        Raycast.default_of(param, node)
+    }
+
     fn uniforms(&self) -> &[&'static str] {
         Raycast.uniforms()
     }

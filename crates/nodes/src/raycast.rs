@@ -11,7 +11,7 @@ use volgraph_graph::{
     ResourceDesc, Size, SlotSpec, Uniform,
 };
 use volgraph_report::Finding;
-use volgraph_shader::{ParamSpec, UniformValue};
+use volgraph_shader::{ParamSpec, ParamValue, UniformValue};
 use wgpu_types::TextureFormat;
 
 use self::ports::{INPUTS, LAYERS, OUTPUTS, SLOTS};
@@ -96,6 +96,10 @@ impl NodeKind for Raycast {
 
     fn slots(&self) -> &[SlotSpec] {
         SLOTS
+    }
+
+    fn default_of(&self, param: &str, node: &NodeContext<'_>) -> Option<ParamValue> {
+        walk::default_of(param, node)
     }
 
     fn uniforms(&self) -> &[&'static str] {

@@ -93,7 +93,8 @@ fn translucency_inside(ray: Ray) -> f32 {
 // World length of a segment inside of the solid. Along a segment the field crosses a level a few times at most.
 fn translucency_segment(ray: Ray, segment: Segment) -> f32 {
     var inside = 0.0;
-    var is_solid = isovalue_is_solid(segment.front.scalar);
+    // As its crossings count: a sample on the surface may lie on either side.
+    var is_solid = crossing_starts_above(ray, segment, isovalue_level()) != (params.solid == 1u);
     var from_entry = segment.start;
     var after = -1.0;
     for (var turn = 0u; turn < 6u; turn++) {

@@ -362,7 +362,8 @@ pub(super) const SLOTS: &[SlotSpec] = &[
     },
     SlotSpec {
         name: "classify",
-        default: "post",
+        // Right for every transfer function; a sample passes narrow peaks by.
+        default: "preintegrated_2d",
         doc: "What are colour and opacity of a segment?",
     },
     SlotSpec {

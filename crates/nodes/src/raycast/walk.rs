@@ -87,15 +87,36 @@ fn check_segments(node: &NodeContext<'_>) -> Result<(), Finding> {
     Ok(())
 }
 
-/// Roots and extremes of cubics are those of the trilinear field, and of no other (`lib/crossing.wgsl`,
-/// `lib/extremum.wgsl`).
+/// Parameters that choose what is exact for the trilinear field, and of no other (`lib/crossing.wgsl`, `lib/extremum.wgsl`):
+/// with what is nearest to it for the others.
+const OF_TRILINEAR: [(&str, &str, &str); 2] = [
+    ("refinement", "cubic", "bisection"),
+    ("extremum", "field", "samples"),
+];
+
+fn is_trilinear(node: &NodeContext<'_>) -> bool {
+    node.slot("reconstruct") == "trilinear"
+}
+
+/// The default of a parameter where that of the shader does not fit the node's reconstruction, or its technique: rays in
+/// glass go to and fro, and solving the field in each cell that they meet takes more turns than software drivers give all
+/// loops of a pixel.
+pub(crate) fn default_of(param: &str, node: &NodeContext<'_>) -> Option<ParamValue> {
+    let (_, _, other) = OF_TRILINEAR
+        .into_iter()
+        .find(|(name, _, _)| *name == param)?;
+    let default = match node.slot("technique") {
+        "refraction_surface" if param == "refinement" => "linear",
+        _ if !is_trilinear(node) => other,
+        _ => return None,
+    };
+    Some(ParamValue::Text(default.to_owned()))
+}
+
 fn check_refinement(node: &NodeContext<'_>) -> Result<(), Finding> {
     let reconstruct = node.slot("reconstruct");
-    for (param, exact, other) in [
-        ("refinement", "cubic", "bisection"),
-        ("extremum", "field", "samples"),
-    ] {
-        if node.text(param) == exact && reconstruct != "trilinear" {
+    for (param, exact, other) in OF_TRILINEAR {
+        if node.text(param) == exact && !is_trilinear(node) {
             let message = format!(
                 "its `{param}` `{exact}` solves the trilinear field, but its slot `reconstruct` is `{reconstruct}`"
             );

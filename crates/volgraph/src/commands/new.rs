@@ -60,7 +60,7 @@ impl NewSlot {
                 name: "traverse",
                 slots: r#"{ "traverse": "new_name" }"#,
                 params: r#"{ "step": 1.0, "growth": 1.0 }"#,
-                differs: r#"set: ["image.growth=10"], rmse: 0.0005"#,
+                differs: r#"set: ["image.growth=10"], rmse: 0.0002"#,
             },
             Self::Reconstruct => Slot {
                 name: "reconstruct",

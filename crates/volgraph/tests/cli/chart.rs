@@ -8,7 +8,7 @@ const GRAPH: &str = r#"// A <ball> in mist.
     nodes: { "background": (kind: "background"),
              "box": (kind: "proxy_box", in: { "volume": "volume" }),
              "image": (kind: "raycast", in: { "volume": "volume", "transfer": "colors", "rays": "box", "behind": "background" },
-                       slots: { "light": "unlit" }) },
+                       slots: { "light": "unlit", "classify": "post" }) },
     outputs: { "color": "image.color" },
 )"#;
 

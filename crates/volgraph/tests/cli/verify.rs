@@ -239,7 +239,7 @@ fn what_limits_an_order_is_told_and_studies_are_drawn() {
     for told in [
         "orders above 2 need not show in this scene: the field has kinks",
         "the grid is not halved: the transfer function's opacity is stated for voxels",
-        "`classify post` declares 2: holds",
+        "`classify preintegrated_2d` declares 2: holds",
         "●",
     ] {
         assert!(run.stdout.contains(told), "{told}: {}", run.stdout);
