@@ -15,13 +15,18 @@ struct Extremum {
     label: u32,
 }
 
+// The same value, for leaps over what cannot be beyond it.
+var<private> extremum_reached: f32;
+
 fn extremum_begin() -> Extremum {
+    extremum_reached = -3.0e38;
     return Extremum(-3.0e38, RAY_NO_DEPTH, 0u);
 }
 
 fn extremum_take(best: ptr<function, Extremum>, value: f32, depth: f32, label: u32) {
     if value > (*best).value {
         *best = Extremum(value, depth, label);
+        extremum_reached = max(extremum_reached, value);
     }
 }
 

@@ -7,6 +7,7 @@
 #import "lib/shown.wgsl"
 #import slot "traverse"
 #import slot "technique"
+#import slot "leap"
 #import slot "behind"
 #import slot "depth_layer"
 #import slot "opacity_layer"
@@ -40,22 +41,40 @@ fn raycast_pixel(pixel: vec2f) -> Shown {
             break;
         }
         let length = ray.far - ray.near;
-        var front = sample_along(ray, 0.0);
+        var front: Sample;
         var start = 0.0;
-        samples++;
-        for (var index = 0u; start < length && index < RAYCAST_MAX_SEGMENTS; index++) {
-            let end = traverse_segment_end(ray, index);
-            let back = sample_along(ray, end);
-            samples++;
-            let segment = segment_between(front, back, start, end - start);
-            error_layer_segment(&error, state, ray, segment);
-            is_done = technique_segment(&state, &ray, segment);
-            // A bent ray is another ray: its parts are looked for anew.
-            if is_done || ray.bends != parts.bends {
+        var index = 0u;
+        // A bent ray is another ray: its parts are looked for anew.
+        for (var look = 0u; look < RAYCAST_MAX_SEGMENTS && !is_done && ray.bends == parts.bends; look++) {
+            let leap = leap_from(ray, index);
+            if look == 0u || leap.index != index {
+                index = leap.index;
+                start = 0.0;
+                if index > 0u {
+                    start = traverse_segment_end(ray, index - 1u);
+                }
+                if start < length {
+                    front = sample_along(ray, start);
+                    samples++;
+                }
+            }
+            if start >= length {
                 break;
             }
-            front = back;
-            start = end;
+            for (var turn = 0u; turn < leap.segments && start < length; turn++) {
+                let end = traverse_segment_end(ray, index);
+                let back = sample_along(ray, end);
+                samples++;
+                let segment = segment_between(front, back, start, end - start);
+                error_layer_segment(&error, state, ray, segment);
+                is_done = technique_segment(&state, &ray, segment);
+                if is_done || ray.bends != parts.bends {
+                    break;
+                }
+                front = back;
+                start = end;
+                index++;
+            }
         }
     }
     let estimate = error_layer_finish(&error, state, ray, is_done);

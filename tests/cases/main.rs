@@ -33,6 +33,7 @@ mod refraction_media;
 mod segment_files;
 mod segments;
 mod shader_cases;
+mod skipping;
 mod snapshots;
 mod stress;
 mod sweep;

@@ -271,8 +271,10 @@ fn dimension(ty: PortType) -> Option<TextureDim> {
         | PortType::Table2d
         | PortType::Pieces
         | PortType::ImageTexture
+        | PortType::DistanceMap
         | PortType::LightGrid => Some(TextureDim::D2),
         PortType::Table3d
+        | PortType::BrickRanges
         | PortType::VolumeTexture
         | PortType::GradientTexture
         | PortType::LabelTexture => Some(TextureDim::D3),

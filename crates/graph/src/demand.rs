@@ -15,8 +15,8 @@ use indexmap::IndexMap;
 use volgraph_report::{Finding, Findings, Place};
 
 use crate::desc::ParamDesc;
-use crate::graph::{Graph, Link, Node, NodeBody, NodeId, Origin, Program};
-use crate::kind::{Inherited, InputPort, NodeKind, ProgramSpec, Requirement};
+use crate::graph::{Graph, Link, Node, NodeBody, NodeId, Origin, Program, SlotChoice};
+use crate::kind::{DerivedSlot, Inherited, InputPort, NodeKind, ProgramSpec, Requirement};
 use crate::limits::Limits;
 use crate::node_context::NodeContext;
 use crate::registry::Registry;
@@ -45,6 +45,15 @@ pub fn demand(
         let Some(kind) = graph.nodes[id].kind().cloned() else {
             continue;
         };
+        for derived in kind.derived_slots() {
+            if let Some(choice) = findings
+                .take(stated(&graph.nodes[id], derived, shaders))
+                .flatten()
+                && let Some(slot) = graph.nodes[id].slots.get_mut(derived.slot)
+            {
+                slot.choice = choice;
+            }
+        }
         let Some(spec) = kind.program(&NodeContext::new(&graph, id, limits)) else {
             // Without a shader nothing is bound.
             let used = |_: &str| false;
@@ -81,6 +90,21 @@ pub fn demand(
         is_done.resize(graph.nodes.len(), false);
     }
     findings.into_result(graph)
+}
+
+/// The choice that another slot's file states for a slot that the graph leaves open.
+fn stated(
+    node: &Node,
+    derived: &DerivedSlot,
+    shaders: &ShaderLibrary,
+) -> Result<Option<String>, Finding> {
+    let is_open = |slot: &SlotChoice| slot.place.is_none();
+    if !node.slots.get(derived.slot).is_some_and(is_open) {
+        return Ok(None);
+    }
+    let slots = node.slots.iter();
+    let slots = slots.map(|(name, slot)| (name.clone(), slot.choice.clone()));
+    shaders.stated_choice(&slots.collect(), derived.from, derived.tag)
 }
 
 /// Takes over what the writer at a port was given. It is not linked yet, so its values are looked at here: one that
@@ -238,6 +262,8 @@ fn is_texture(ty: crate::PortType) -> bool {
             | P::GradientTexture
             | P::LabelTexture
             | P::ImageTexture
+            | P::BrickRanges
+            | P::DistanceMap
             | P::LightGrid
     )
 }

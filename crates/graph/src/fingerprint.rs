@@ -2,7 +2,7 @@
 //!
 //! Two frames in which a node has the same fingerprint give the same result, so the second need not run it. A
 //! fingerprint takes in the kind, the parameters, the linked shader and its entry points, the inputs'
-//! fingerprints, the sizes of the outputs, and of the view only what the node really reads: the lens where
+//! fingerprints (of a source that the kind reads in part, that part), the sizes of the outputs, and of the view only what the node really reads: the lens where
 //! its shader uses `lens`, the pose where it uses `camera`.
 
 use std::collections::BTreeMap;
@@ -10,6 +10,8 @@ use std::collections::BTreeMap;
 use crate::camera::View;
 use crate::graph::{Graph, NodeBody, NodeId};
 use crate::kind::PortType;
+use crate::limits::Limits;
+use crate::node_context::NodeContext;
 use crate::size::Resources;
 
 /// A blake3 digest.
@@ -45,6 +47,7 @@ pub fn fingerprints(
     graph: &Graph,
     order: &[NodeId],
     resources: &Resources,
+    limits: &Limits,
     view: &View,
 ) -> BTreeMap<NodeId, Digest> {
     let mut fingerprints: BTreeMap<NodeId, Digest> = BTreeMap::new();
@@ -93,7 +96,11 @@ pub fn fingerprints(
                 for (port, link) in &node.inputs {
                     part(port.as_bytes());
                     part(link.port.as_bytes());
-                    part(&fingerprints[&link.node]);
+                    let context = NodeContext::new(graph, id, limits);
+                    match kind.depends_on(port, &context) {
+                        Some(bytes) => part(&bytes),
+                        None => part(&fingerprints[&link.node]),
+                    }
                 }
                 for ((_, port), resource) in
                     resources.range((id, String::new())..(id + 1, String::new()))

@@ -49,6 +49,10 @@ pub enum PortType {
     LabelTexture,
     /// A 2D texture of an image.
     ImageTexture,
+    /// A 3D texture of the least and the largest scalar of each brick.
+    BrickRanges,
+    /// A 2D texture with the slices of a grid of bricks side by side: of each brick, how far the next is that may be seen.
+    DistanceMap,
     /// A 2D texture with the slices of a grid side by side: of four lights, the share that reaches a point.
     LightGrid,
     /// A buffer of triangles.
@@ -73,6 +77,8 @@ impl fmt::Display for PortType {
             Self::GradientTexture => "gradient_texture",
             Self::LabelTexture => "label_texture",
             Self::ImageTexture => "image_texture",
+            Self::BrickRanges => "brick_ranges",
+            Self::DistanceMap => "distance_map",
             Self::LightGrid => "light_grid",
             Self::Mesh => "mesh",
         })
@@ -155,6 +161,18 @@ pub struct SlotSpec {
     pub doc: &'static str,
 }
 
+/// A slot whose choice, where the graph states none, is stated by the file that fills another slot: behind a tag in the
+/// comment at its head (`// @skips transfer`).
+#[derive(Clone, Copy, Debug)]
+pub struct DerivedSlot {
+    /// The slot.
+    pub slot: &'static str,
+    /// The other one.
+    pub from: &'static str,
+    /// The tag, without its `@`.
+    pub tag: &'static str,
+}
+
 /// The shader program of a node.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProgramSpec {
@@ -212,6 +230,18 @@ pub trait NodeKind: Send + Sync {
     /// Its slots.
     fn slots(&self) -> &[SlotSpec] {
         &[]
+    }
+
+    /// Those of its slots that follow another.
+    fn derived_slots(&self) -> &[DerivedSlot] {
+        &[]
+    }
+
+    /// What its work depends on of the source at an input port, where that is not all of it: work is done again where
+    /// these bytes change.
+    fn depends_on(&self, port: &str, node: &NodeContext<'_>) -> Option<Vec<u8>> {
+        let _ = (port, node);
+        None
     }
 
     /// The default of a parameter that its shader declares, where it is another than the shader's because of what the node

@@ -41,8 +41,8 @@ pub use desc::{EdgeDesc, GraphDesc, NodeDesc, ParamDesc, SourceDesc};
 pub use fingerprint::{Digest, hex};
 pub use graph::{Graph, Link, Node, NodeBody, NodeId, Origin, Program};
 pub use kind::{
-    Demand, Inherited, InputPort, NodeKind, OutputPort, ParamRow, PortType, ProgramSpec,
-    Requirement, SlotSpec, Uniform,
+    Demand, DerivedSlot, Inherited, InputPort, NodeKind, OutputPort, ParamRow, PortType,
+    ProgramSpec, Requirement, SlotSpec, Uniform,
 };
 pub use limits::Limits;
 pub use node_context::NodeContext;

@@ -177,7 +177,13 @@ impl Plan {
     /// The fingerprints of all nodes in a view.
     #[must_use]
     pub fn fingerprints(&self, view: &View) -> BTreeMap<NodeId, Digest> {
-        fingerprints(&self.graph, &self.order, &self.resources, view)
+        fingerprints(
+            &self.graph,
+            &self.order,
+            &self.resources,
+            &self.limits,
+            view,
+        )
     }
 
     /// A node as its kind sees it, in a frame.

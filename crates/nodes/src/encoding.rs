@@ -92,6 +92,19 @@ impl Encoding {
         }
     }
 
+    /// What shaders read of a voxel with a data value: it has been rounded to the storage.
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "shaders compute in f32")]
+    pub fn stored(&self, scalar: f64) -> f32 {
+        let texel = (scalar - self.reference - self.offset) / self.scale;
+        let texel = match self.format {
+            TextureFormat::R8Unorm => f32::from(unorm8(texel)) / 255.0,
+            TextureFormat::R16Float => f16::from_f64(texel).to_f32(),
+            _ => texel as f32,
+        };
+        texel * self.scale as f32 + self.offset as f32
+    }
+
     /// The choice of the slot `volume_filter` that can read it: the device's filter, or loads where it has none.
     #[must_use]
     pub fn filter(&self, limits: &Limits) -> &'static str {

@@ -5,8 +5,10 @@
 //! scalars become texels) and [`placement`] (the uniform of a volume). [`registry`] has them all.
 
 pub mod background;
+pub mod brick_ranges;
 pub(crate) mod clip_volume;
 pub mod difference;
+pub mod distance_map;
 pub mod encoding;
 pub mod false_color;
 pub mod gradient;
@@ -45,6 +47,8 @@ pub fn registry() -> Registry {
         .add_node(background::Background)
         .add_node(proxy_box::ProxyBox)
         .add_node(raycast::Raycast)
+        .add_node(brick_ranges::BrickRanges)
+        .add_node(distance_map::DistanceMap)
         .add_node(volume_texture::VolumeTexture)
         .add_node(label_texture::LabelTexture)
         .add_node(gradient::Gradient)

@@ -7,8 +7,8 @@ mod walk;
 use std::collections::{BTreeMap, BTreeSet};
 
 use volgraph_graph::{
-    Inherited, InputPort, Mesh, NodeContext, NodeKind, OutputPort, ParamRow, Pass, ProgramSpec,
-    ResourceDesc, Size, SlotSpec, Uniform,
+    DerivedSlot, Inherited, InputPort, Mesh, NodeContext, NodeKind, OutputPort, ParamRow, Pass,
+    ProgramSpec, ResourceDesc, Size, SlotSpec, Uniform,
 };
 use volgraph_report::Finding;
 use volgraph_shader::{ParamSpec, ParamValue, UniformValue};
@@ -23,8 +23,8 @@ pub(crate) use self::walk::{MAX_SEGMENTS, check_walk, longest_ray, walk_slots};
 use crate::background::Background;
 use crate::source::segments::SegmentsSource;
 use crate::{
-    clip_volume, light_volume, lit_preintegration, placement, preintegration, preintegration_3d,
-    proxy_box, segmentation, transfer_table, volume_texture,
+    brick_ranges, clip_volume, light_volume, lit_preintegration, placement, preintegration,
+    preintegration_3d, proxy_box, segmentation, transfer_table, volume_texture,
 };
 
 /// The node kind `raycast`.
@@ -49,6 +49,32 @@ fn beyond_slots(node: &NodeContext<'_>) -> Vec<(String, String)> {
             slot("pattern", writer.text("pattern")),
         ],
         Some(_) => vec![slot("beyond", "picture")],
+    }
+}
+
+/// What a technique does not see, its file says.
+const DERIVED: &[DerivedSlot] = &[DerivedSlot {
+    slot: "emptiness",
+    from: "technique",
+    tag: "skips",
+}];
+
+/// How the walk leaps over what the technique does not see.
+fn leap(node: &NodeContext<'_>) -> &'static str {
+    let emptiness = node.slot("emptiness");
+    let reads_params = ["isovalue", "isovalue_transfer", "isosurfaces"].contains(&emptiness);
+    if node.slot("traverse") != "skip"
+        || brick_ranges::margin(node.slot("reconstruct")).is_none()
+        // Labels may have isosurfaces of their own.
+        || (reads_params && !Raycast.param_rows(node).is_empty())
+    {
+        return "none";
+    }
+    match emptiness {
+        "none" => "none",
+        "maximum" => "maximum",
+        "minimum" => "minimum",
+        _ => "bricks",
     }
 }
 
@@ -82,6 +108,7 @@ impl NodeKind for Raycast {
                 "Whether rays run in a fragment or a compute shader; auto measures both once and takes the faster.",
             ),
             volume_texture::storage_param(),
+            brick_ranges::size_param(),
             clip_volume::storage_param(),
             transfer_table::size_param(),
             preintegration::size_param(),
@@ -98,6 +125,10 @@ impl NodeKind for Raycast {
         SLOTS
     }
 
+    fn derived_slots(&self) -> &[DerivedSlot] {
+        DERIVED
+    }
+
     fn default_of(&self, param: &str, node: &NodeContext<'_>) -> Option<ParamValue> {
         walk::default_of(param, node)
     }
@@ -105,6 +136,7 @@ impl NodeKind for Raycast {
     fn uniforms(&self) -> &[&'static str] {
         &[
             "volume",
+            "bricks",
             "clip_placement",
             "transfer",
             "transfers",
@@ -139,6 +171,7 @@ impl NodeKind for Raycast {
         });
         let mut fixed_slots = BTreeMap::from(layers);
         fixed_slots.extend(walk_slots(node));
+        fixed_slots.insert("leap".to_owned(), leap(node).to_owned());
         fixed_slots.insert("behind".to_owned(), behind.to_owned());
         fixed_slots.extend(beyond_slots(node));
         Some(ProgramSpec {
@@ -187,6 +220,7 @@ impl NodeKind for Raycast {
     fn uniform(&self, name: &str, node: &NodeContext<'_>) -> Result<Uniform, Finding> {
         match name {
             "volume" => placement::uniform(node),
+            "bricks" => brick_ranges::uniform(node),
             "clip_placement" => placement::uniform_at(node, "clip_volume"),
             "transfer" => {
                 let transfer = transfer_table::transfer(node, "transfer")?;

@@ -301,6 +301,41 @@ impl TransferFunction {
         self.material.knots()
     }
 
+    /// Where anything absorbs: open intervals of scalars, rising and apart. Beyond its [range](Self::range) what is at the
+    /// range's ends holds. An interval's end where the extinction rises from 0 absorbs nothing and is no part of it; one
+    /// where it starts at once is, by an interval that is longer by a rounding.
+    #[must_use]
+    pub fn absorbing(&self) -> Vec<(f64, f64)> {
+        let (low, high) = self.range;
+        let mut knots: Vec<f64> = self.absorption.curve().knots();
+        knots.retain(|knot| low < *knot && *knot < high);
+        knots.insert(0, low);
+        knots.push(high);
+        let mut spans: Vec<(f64, f64)> = Vec::new();
+        for pair in knots.windows(2) {
+            let smooth = self.smooth(pair[0], pair[1]);
+            let [first, last] = [pair[0], pair[1]].map(|at| smooth.at(at).1 > 0.0);
+            if !(first || last) {
+                continue;
+            }
+            let from = match first {
+                true if pair[0] <= low => f64::NEG_INFINITY,
+                true => pair[0].next_down(),
+                false => pair[0],
+            };
+            let to = match last {
+                true if pair[1] >= high => f64::INFINITY,
+                true => pair[1].next_up(),
+                false => pair[1],
+            };
+            match spans.last_mut() {
+                Some(before) if before.1 > from => before.1 = before.1.max(to),
+                _ => spans.push((from, to)),
+            }
+        }
+        spans
+    }
+
     /// Refractive index of a scalar, 1 to 4; at a step the later point's. 1 where the file does not say.
     #[must_use]
     pub fn refractive_index(&self, s: f64) -> f64 {

@@ -20,6 +20,7 @@ use std::path::Path;
 
 use volgraph_report::{Finding, Findings, Place, did_you_mean, list_names};
 
+use crate::head::{TagLine, tag_lines};
 use crate::{Linked, LinkedFile, ParamSpec, ParamType};
 
 /// One line `@order N` or `@order N where param=choice`.
@@ -54,25 +55,13 @@ const MOST: f64 = 16.0;
 pub fn declared_orders(file: &Path, text: &str) -> Result<Vec<DeclaredOrder>, Findings> {
     let mut findings = Findings::new();
     let mut orders: Vec<DeclaredOrder> = Vec::new();
-    let mut at = 0;
-    for line in text.split_inclusive('\n') {
-        let start = at;
-        at += line.len();
-        let Some(comment) = line.trim().strip_prefix("//") else {
-            break;
-        };
-        let mut words = comment.trim_start_matches('/').split_whitespace();
-        if words.next() != Some("@order") {
-            continue;
-        }
-        let indent = line.len() - line.trim_start().len();
-        let place = Place::in_text(file, text, start + indent, line.trim().len());
+    for TagLine { words, place } in tag_lines(file, text, "order") {
         let error = |message: String| {
             Finding::error("order-doc", message)
                 .at(place.clone())
                 .help("write `// @order 2` or `// @order 2 where param=choice`")
         };
-        match read(&words.collect::<Vec<_>>()) {
+        match read(&words) {
             Err(message) => findings.push(error(message)),
             Ok((_, condition)) if orders.iter().any(|it| it.condition == condition) => {
                 findings.push(error("the order is declared twice".to_owned()));

@@ -13,6 +13,7 @@
 
 pub mod analytic;
 mod axes;
+mod bricks;
 mod data_files;
 mod error;
 mod fields;
@@ -30,6 +31,7 @@ mod text_data;
 mod volume;
 mod voxels;
 
+pub use bricks::{BrickRanges, brick_dims};
 pub use data_files::DataFiles;
 pub use error::{Trouble, VolumeError};
 pub use grid::Grid;

@@ -1,4 +1,5 @@
 // Direct volume rendering: emission and absorption, composited from front to back (Max 1995).
+// @skips transfer
 #import "lib/compositing.wgsl"
 #import slot "classify"
 #import slot "light"

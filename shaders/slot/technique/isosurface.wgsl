@@ -1,6 +1,7 @@
 // The first isosurface that the ray meets, opaque and lit.
 // @order 1 where refinement=none
 // @order 2 where refinement=linear
+// @skips isovalue
 #import "lib/first_hit.wgsl"
 #import slot "light"
 

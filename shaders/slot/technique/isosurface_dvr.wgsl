@@ -1,5 +1,6 @@
 // Direct volume rendering with an isosurface in it: a segment that the isosurface cuts is classified in pieces, each with
 // its own length and the isovalue at the cut, so that the colour is right on both sides of the surface at any step.
+// @skips isovalue_transfer
 #import "lib/compositing.wgsl"
 #import "lib/crossing.wgsl"
 #import "lib/cut_face.wgsl"

@@ -1,5 +1,6 @@
 // Up to eight translucent isosurfaces, lit and composited from front to back in the order in which the ray meets them,
 // also where it meets several in one segment, or one several times.
+// @skips isosurfaces
 #import "lib/compositing.wgsl"
 #import "lib/crossing.wgsl"
 #import "lib/isosurfaces.wgsl"

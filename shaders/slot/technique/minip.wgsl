@@ -1,4 +1,5 @@
 // Minimum intensity projection: the smallest scalar along the ray.
+// @skips minimum
 #import "lib/extremum.wgsl"
 #import slot "labels"
 #import slot "tone"

@@ -1,4 +1,5 @@
 // Maximum intensity projection: the largest scalar along the ray.
+// @skips maximum
 #import "lib/extremum.wgsl"
 #import slot "labels"
 #import slot "tone"

@@ -1,5 +1,6 @@
 // Which tables of transfer functions are read: those of the row that was selected last.
 #import "lib/between.wgsl"
+#import "lib/nearest_sampler.wgsl"
 #import "lib/transfer_row.wgsl"
 
 struct TransferRow {
@@ -22,7 +23,6 @@ struct TransferRows {
 @group(2) @binding(32) var preintegration_tables: texture_2d<f32>;
 @group(2) @binding(33) var integral_tables: texture_2d<f32>;
 @group(2) @binding(34) var preintegration_half_tables: texture_2d<f32>;
-@group(2) @binding(5) var nearest_sampler: sampler;
 
 var<private> transfer: Transfer;
 var<private> transfer_tile: vec2i;

@@ -6,8 +6,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use naga::valid::Capabilities;
-use volgraph_report::Findings;
-use volgraph_shader::{LinkRequest, Module, ShaderRoots, check, link};
+use volgraph_report::{Finding, Findings};
+use volgraph_shader::{LinkRequest, Module, ShaderRoots, check, link, stated_choice};
 
 use crate::kind::ProgramSpec;
 
@@ -86,6 +86,22 @@ impl ShaderLibrary {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// The choice for another slot that the file which fills `slot` states behind a tag.
+    ///
+    /// # Errors
+    /// As [`volgraph_shader::stated_choice`].
+    pub fn stated_choice(
+        &self,
+        slots: &BTreeMap<String, String>,
+        slot: &str,
+        tag: &str,
+    ) -> Result<Option<String>, Finding> {
+        let mut request = LinkRequest::new("");
+        request.slots = slots.clone();
+        request.base = self.base.clone();
+        stated_choice(&self.roots, &request, slot, tag)
     }
 
     /// Links and checks a program. The text is linked anew each time, so that edits are seen; a text seen before

@@ -2,6 +2,7 @@
 
 use volgraph_graph::{Demand, InputPort, OutputPort, PortType, Requirement, SlotSpec};
 
+use crate::distance_map;
 use crate::lit_preintegration::{self, LitPreintegration};
 use crate::{material_table, preintegration};
 
@@ -75,6 +76,18 @@ pub(super) const INPUTS: &[InputPort] = &[
             slots: &[],
         }),
         doc: "The volume on the device.",
+    },
+    InputPort {
+        name: "brick_ranges",
+        ty: PortType::BrickRanges,
+        requirement: Requirement::Demanded(distance_map::RANGES),
+        doc: "The least and the largest scalar of each brick.",
+    },
+    InputPort {
+        name: "distance_map",
+        ty: PortType::DistanceMap,
+        requirement: Requirement::DemandedAlike("distance_map"),
+        doc: "How far each brick is from the next one of which anything may be seen.",
     },
     InputPort {
         name: "clip_volume_texture",
@@ -376,6 +389,7 @@ pub(super) const SLOTS: &[SlotSpec] = &[
         default: "uniform",
         doc: "Where does the next segment end?",
     },
+    distance_map::EMPTINESS,
     SlotSpec {
         name: "light",
         default: "unlit",

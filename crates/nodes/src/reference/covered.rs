@@ -41,7 +41,20 @@ const COVERED: &[(&str, &[&str])] = &[
             "preintegrated_3d",
         ],
     ),
-    ("traverse", &["uniform"]),
+    // Leaps are over what is not seen.
+    ("traverse", &["uniform", "skip"]),
+    (
+        "emptiness",
+        &[
+            "none",
+            "transfer",
+            "isovalue",
+            "isovalue_transfer",
+            "isosurfaces",
+            "maximum",
+            "minimum",
+        ],
+    ),
     ("tone", &["window", "transfer"]),
     // Both approximate light at each point.
     ("light", &["unlit", "phong", "phong_ends"]),

@@ -242,6 +242,7 @@ fn one_mistake_in_a_real_shader_is_one_finding() {
     let request = [
         ("reconstruct", "trilinear"),
         ("traverse", "uniform"),
+        ("leap", "none"),
         ("technique", "dvr"),
         ("classify", "preintegrated_2d"),
         ("gradient", "stored"),

@@ -133,7 +133,7 @@ fn the_space_of_a_plan_has_what_its_raycast_offers() {
     // Bytes are exact in half floats, and that is what the graph's `auto` comes to.
     assert_eq!(base.text("volume_storage"), "r16float");
 
-    let narrow = of("classify=post step=0.5,2 reconstruct=trilinear stage=compute volume_storage=r8unorm early_termination=0 table_size=1024,2048").unwrap();
+    let narrow = of("classify=post traverse=uniform step=0.5,2 reconstruct=trilinear stage=compute volume_storage=r8unorm early_termination=0 table_size=1024,2048").unwrap();
     assert_eq!(narrow.len(), 4);
     assert!(narrow.axes.iter().any(|axis| axis.name == "table_size"));
     for (wrong, code) in [

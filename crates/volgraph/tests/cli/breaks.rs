@@ -18,8 +18,8 @@ const BREAKS: [Break; 12] = [
     Break {
         what: "drops the last segment",
         file: "node/raycast.wgsl",
-        find: "            let back = sample_along(ray, end);",
-        with: "            if end >= length { break; }\n            let back = sample_along(ray, end);",
+        find: "                let back = sample_along(ray, end);",
+        with: "                if end >= length { is_done = true; break; }\n                let back = sample_along(ray, end);",
         case: "dvr_fog",
         expectation: "uniform(color: (0.4",
     },

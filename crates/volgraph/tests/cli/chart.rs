@@ -17,8 +17,7 @@ const TRANSFER: &str = r#"(domain: normalised, points: [
 ])"#;
 
 /// Two steps of each classification, all else the same.
-const METHODS: &str =
-    "step=1,2 reconstruct=trilinear stage=compute volume_storage=r16float early_termination=0";
+const METHODS: &str = "step=1,2 traverse=uniform reconstruct=trilinear stage=compute volume_storage=r16float early_termination=0";
 
 fn scratch() -> Scratch {
     let scratch = Scratch::new();

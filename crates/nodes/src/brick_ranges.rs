@@ -1,0 +1,181 @@
+//! `brick_ranges`: the least and the largest scalar of each brick of a volume, as shaders read its texture.
+//!
+//! The processor makes them in one pass over the voxels, which it has in memory. What is read of a brick's edge reaches
+//! into the voxels beside it, by as many as the reconstruction does.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use volgraph_graph::{
+    InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, Requirement, ResourceDesc, Size,
+    SlotSpec, Uniform, UploadBytes,
+};
+use volgraph_report::Finding;
+use volgraph_shader::{ParamSpec, UniformValue};
+use volgraph_volume::brick_dims;
+use wgpu_types::TextureFormat;
+
+use crate::encoding::Encoding;
+use crate::placement::{f32_value, vec3, volume};
+use crate::source::volume::VolumeSource;
+use crate::volume_texture::storage_param;
+
+/// The node kind `brick_ranges`.
+pub struct BrickRanges;
+
+const INPUTS: &[InputPort] = &[InputPort {
+    name: "volume",
+    ty: PortType::Volume,
+    requirement: Requirement::Required,
+    doc: "The volume.",
+}];
+
+const OUTPUTS: &[OutputPort] = &[OutputPort {
+    name: "ranges",
+    ty: PortType::BrickRanges,
+    doc: "The least and the largest scalar of each brick.",
+}];
+
+const SLOTS: &[SlotSpec] = &[SlotSpec {
+    name: "reconstruct",
+    default: "trilinear",
+    doc: "What is the scalar at a point?",
+}];
+
+/// The parameter with the size of bricks, for kinds that call for this one.
+#[must_use]
+pub fn size_param() -> ParamSpec {
+    ParamSpec::int(
+        "brick_size",
+        4,
+        "Voxels along an edge of the bricks that walks leap over.",
+    )
+    .range(2.0, 64.0)
+}
+
+/// How many voxels beside a brick the scalars at its faces are made of. `None` where scalars may lie outside of the range
+/// of the voxels around: bricks then tell nothing.
+#[must_use]
+pub(crate) fn margin(reconstruct: &str) -> Option<u32> {
+    match reconstruct {
+        "nearest" | "trilinear" => Some(1),
+        "tricubic" => Some(2),
+        _ => None,
+    }
+}
+
+/// Slices of a map of bricks in a row of its texture: as near to a square as slices lie.
+fn columns([x, y, z]: [u32; 3]) -> u32 {
+    let wanted = f64::from(z) * f64::from(y) / f64::from(x.max(1));
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "from 1 to the number of slices"
+    )]
+    let columns = wanted.sqrt().ceil().clamp(1.0, f64::from(z.max(1))) as u32;
+    columns
+}
+
+/// The bricks of the volume of a node with the parameter `brick_size`, and the size of a map of them.
+///
+/// # Errors
+/// `missing-input`.
+pub(crate) fn map_size(node: &NodeContext<'_>) -> Result<([u32; 3], [u32; 3]), Finding> {
+    let dims = brick_dims(volume(node, "volume")?.grid().dims, node.uint("brick_size"));
+    let columns = columns(dims);
+    let size = [
+        dims[0].saturating_mul(columns),
+        dims[1].saturating_mul(dims[2].div_ceil(columns)),
+        1,
+    ];
+    Ok((dims, size))
+}
+
+/// The members of the uniform `bricks` (see `lib/bricks.wgsl`).
+///
+/// # Errors
+/// `missing-input`.
+pub(crate) fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
+    let (dims, map) = map_size(node)?;
+    let size = node.uint("brick_size").max(1);
+    let voxels = volume(node, "volume")?.grid().dims;
+    let whole = |n: u32| i32::try_from(n).unwrap_or(i32::MAX);
+    Ok(vec![
+        ("dims", UniformValue::IVec3(dims.map(whole))),
+        ("columns", UniformValue::I32(whole(columns(dims)))),
+        (
+            "per_texture",
+            vec3(DVec3::from_array(voxels.map(f64::from)) / f64::from(size)),
+        ),
+        ("size", f32_value(f64::from(size))),
+        (
+            "map_size",
+            UniformValue::Vec2([map[0] as f32, map[1] as f32]),
+        ),
+    ])
+}
+
+impl NodeKind for BrickRanges {
+    fn name(&self) -> &'static str {
+        "brick_ranges"
+    }
+
+    fn doc(&self) -> &'static str {
+        "Finds the least and the largest scalar of each brick of a volume."
+    }
+
+    fn inputs(&self) -> &[InputPort] {
+        INPUTS
+    }
+
+    fn outputs(&self) -> &[OutputPort] {
+        OUTPUTS
+    }
+
+    fn params(&self) -> Vec<ParamSpec> {
+        vec![storage_param(), size_param()]
+    }
+
+    fn slots(&self) -> &[SlotSpec] {
+        SLOTS
+    }
+
+    fn output(&self, _port: &str, node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
+        let (dims, _) = map_size(node)?;
+        Ok(ResourceDesc::Texture {
+            dimensions: 3,
+            size: Size::Absolute(dims),
+            format: TextureFormat::Rg32Float,
+        })
+    }
+
+    fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
+        let encoding = Encoding::choose(volume(node, "volume")?, node.text("volume_storage"));
+        let margin = margin(node.slot("reconstruct")).ok_or_else(|| {
+            node.error(
+                "bad-slot",
+                "of its slot `reconstruct` it is not known which voxels a scalar is made of",
+            )
+            .help("choose `nearest`, `trilinear` or `tricubic`")
+        })?;
+        let size = node.uint("brick_size");
+        let source = node.source::<VolumeSource>("volume");
+        let volume = source.map(|source| Arc::clone(&source.volume));
+        let bytes = UploadBytes::new(move || {
+            let ranges = volume
+                .as_ref()
+                .map(|volume| volume.brick_ranges(size, margin).ranges)
+                .unwrap_or_default();
+            // Storage keeps the order of scalars, so that these are the least and the largest that are read.
+            let stored = ranges
+                .iter()
+                .flatten()
+                .map(|scalar| encoding.stored(*scalar));
+            Ok(stored.flat_map(f32::to_le_bytes).collect())
+        });
+        Ok(vec![Pass::Upload {
+            port: "ranges",
+            bytes,
+        }])
+    }
+}

@@ -1,0 +1,229 @@
+//! `distance_map`: of each brick whether anything of it may be seen, and how far the next one is of the other kind.
+//!
+//! A compute shader makes it of the bricks' ranges and of what the slot `emptiness` says, in one pass for each axis. Of
+//! transfer functions it depends only on which scalars absorb: as long as those stay the same, it is not made again.
+
+use volgraph_graph::{
+    Demand, InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec, Requirement,
+    ResourceDesc, Size, SlotSpec, Uniform,
+};
+use volgraph_report::Finding;
+use volgraph_shader::{ParamSpec, UniformValue};
+use wgpu_types::TextureFormat;
+
+use crate::brick_ranges::{self, map_size, size_param};
+use crate::placement;
+use crate::raycast::data_value;
+use crate::transfer_table::transfers;
+use crate::volume_texture::storage_param;
+
+/// The node kind `distance_map`.
+pub struct DistanceMap;
+
+const INPUTS: &[InputPort] = &[
+    InputPort {
+        name: "volume",
+        ty: PortType::Volume,
+        requirement: Requirement::Required,
+        doc: "The volume.",
+    },
+    InputPort {
+        name: "transfer",
+        ty: PortType::Transfer,
+        requirement: Requirement::Optional,
+        doc: "The transfer function.",
+    },
+    InputPort {
+        name: "segments",
+        ty: PortType::Segments,
+        requirement: Requirement::Optional,
+        doc: "What labels mean, with their transfer functions.",
+    },
+    InputPort {
+        name: "brick_ranges",
+        ty: PortType::BrickRanges,
+        requirement: Requirement::Demanded(RANGES),
+        doc: "The least and the largest scalar of each brick.",
+    },
+];
+
+/// The ranges of the bricks of a node's volume.
+pub(crate) const RANGES: Demand = Demand {
+    kind: "brick_ranges",
+    inputs: &[("volume", "volume")],
+    params: &[
+        ("volume_storage", "volume_storage"),
+        ("brick_size", "brick_size"),
+    ],
+    slots: &[("reconstruct", "reconstruct")],
+};
+
+const OUTPUTS: &[OutputPort] = &[OutputPort {
+    name: "distance_map",
+    ty: PortType::DistanceMap,
+    doc: "In the upper half of each word, whether a brick may be seen, and how far the next one of the other kind is, in bricks along the axis where that is most.",
+}];
+
+/// The slot that says what is empty, for kinds that call for this one.
+pub(crate) const EMPTINESS: SlotSpec = SlotSpec {
+    name: "emptiness",
+    default: "none",
+    doc: "Of which scalars is nothing seen?",
+};
+
+const SLOTS: &[SlotSpec] = &[
+    EMPTINESS,
+    SlotSpec {
+        name: "reconstruct",
+        default: "trilinear",
+        doc: "What is the scalar at a point?",
+    },
+];
+
+/// Intervals that the shader holds (`Absorbing` in `lib/absorbing.wgsl`); of more, those nearest to each other are one.
+const SPANS: usize = 64;
+
+/// The scalars that any of a node's transfer functions makes absorb, as shaders count them: open intervals.
+fn absorbing(node: &NodeContext<'_>) -> Result<Vec<(f64, f64)>, Finding> {
+    let volume = placement::volume(node, "volume")?;
+    let reference = placement::encoding(node)?.reference;
+    let mut all = Vec::new();
+    for transfer in transfers(node)? {
+        let scalar = |at: f64| {
+            if at.is_finite() {
+                data_value(volume, transfer.domain(), at) - reference
+            } else {
+                at
+            }
+        };
+        let spans = transfer.absorbing().into_iter();
+        all.extend(spans.map(|(from, to)| (scalar(from), scalar(to))));
+    }
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut spans: Vec<(f64, f64)> = Vec::new();
+    for (from, to) in all {
+        match spans.last_mut() {
+            Some(before) if from < before.1 => before.1 = before.1.max(to),
+            _ => spans.push((from, to)),
+        }
+    }
+    while spans.len() > SPANS {
+        let gap = |at: &usize| spans[at + 1].0 - spans[*at].1;
+        let least = (0..spans.len() - 1).min_by(|a, b| gap(a).total_cmp(&gap(b)));
+        let at = least.unwrap_or(0);
+        spans[at].1 = spans.remove(at + 1).1;
+    }
+    Ok(spans)
+}
+
+impl NodeKind for DistanceMap {
+    fn name(&self) -> &'static str {
+        "distance_map"
+    }
+
+    fn doc(&self) -> &'static str {
+        "Finds which bricks may be seen, and how far the next one of the other kind is."
+    }
+
+    fn inputs(&self) -> &[InputPort] {
+        INPUTS
+    }
+
+    fn outputs(&self) -> &[OutputPort] {
+        OUTPUTS
+    }
+
+    fn params(&self) -> Vec<ParamSpec> {
+        vec![storage_param(), size_param()]
+    }
+
+    fn slots(&self) -> &[SlotSpec] {
+        SLOTS
+    }
+
+    fn uniforms(&self) -> &[&'static str] {
+        &["volume", "bricks", "absorbing"]
+    }
+
+    fn depends_on(&self, port: &str, node: &NodeContext<'_>) -> Option<Vec<u8>> {
+        if !["transfer", "segments"].contains(&port) {
+            return None;
+        }
+        let spans = absorbing(node).ok()?;
+        let ends = spans.into_iter().flat_map(|(from, to)| [from, to]);
+        Some(ends.flat_map(f64::to_le_bytes).collect())
+    }
+
+    fn program(&self, node: &NodeContext<'_>) -> Option<ProgramSpec> {
+        Some(ProgramSpec {
+            root: "node/distance_map.wgsl",
+            fixed_slots: [placement::filter_slot(node)].into(),
+            entries: vec![
+                "distance_map_begin",
+                "distance_map_x",
+                "distance_map_y",
+                "distance_map_z",
+            ],
+            inherited: Vec::new(),
+        })
+    }
+
+    fn output(&self, _port: &str, node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
+        let (_, size) = map_size(node)?;
+        Ok(ResourceDesc::Texture {
+            dimensions: 2,
+            size: Size::Absolute(size),
+            format: TextureFormat::R32Float,
+        })
+    }
+
+    fn uniform(&self, name: &str, node: &NodeContext<'_>) -> Result<Uniform, Finding> {
+        match name {
+            "volume" => placement::uniform(node),
+            "bricks" => brick_ranges::uniform(node),
+            _ => {
+                let spans = absorbing(node)?;
+                let count = u32::try_from(spans.len()).unwrap_or(u32::MAX);
+                let finite = |at: f64| at.clamp(f64::from(f32::MIN), f64::from(f32::MAX));
+                let span = |at: usize| {
+                    let (from, to) = spans.get(at).copied().unwrap_or_default();
+                    // Rounded outwards.
+                    #[expect(clippy::cast_possible_truncation, reason = "shaders compute in f32")]
+                    let ends = [finite(from) as f32, finite(to) as f32];
+                    let from_low = if f64::from(ends[0]) > from {
+                        ends[0].next_down()
+                    } else {
+                        ends[0]
+                    };
+                    let to_high = if f64::from(ends[1]) < to {
+                        ends[1].next_up()
+                    } else {
+                        ends[1]
+                    };
+                    UniformValue::Vec4([from_low, to_high, 0.0, 0.0])
+                };
+                Ok(vec![
+                    ("count", UniformValue::U32(count)),
+                    ("spans", UniformValue::Array((0..SPANS).map(span).collect())),
+                ])
+            }
+        }
+    }
+
+    fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
+        let (dims, _) = map_size(node)?;
+        let pass = |entry| Pass::Compute {
+            entry,
+            workgroups: dims.map(|n| n.div_ceil(4)),
+            constants: Vec::new(),
+        };
+        Ok([
+            "distance_map_begin",
+            "distance_map_x",
+            "distance_map_y",
+            "distance_map_z",
+        ]
+        .map(pass)
+        .into())
+    }
+}

@@ -1,0 +1,31 @@
+// Leaps through boxes of bricks, to the last whole step inside of them: so what is walked is walked by the same segments.
+#import "lib/bricks.wgsl"
+#import "lib/leap.wgsl"
+#import "lib/step.wgsl"
+
+// Whatever bricks say, a look comes to its end.
+const BRICK_LEAP_TURNS: u32 = 8192u;
+// So many segments are walked at least between two looks, whatever is there: a look costs as much as some of them. Even.
+const BRICK_LEAP_LEAST: u32 = 8u;
+
+// The place of a segment's start, counted in bricks.
+fn brick_leap_place(ray: Ray, index: u32) -> vec3f {
+    return ray_position(ray, f32(index) * step_world()) * bricks.per_texture;
+}
+
+// The number of the first segment from `index` on that does not end within a box of bricks, which it starts in.
+fn brick_leap_through(ray: Ray, index: u32, place: vec3f, low: vec3i, high: vec3i) -> u32 {
+    let given = ray.slope * bricks.per_texture;
+    let slope = select(given, vec3f(1.0e-20), abs(given) < vec3f(1.0e-20));
+    let exits = max((vec3f(low) - place) / slope, (vec3f(high) - place) / slope);
+    let exit = max(min(min(exits.x, exits.y), exits.z), 0.0);
+    // A box may reach far beyond the ray's end.
+    let end = min(f32(index) * step_world() + exit, ray.far - ray.near);
+    return max(u32(end / step_world()), index);
+}
+
+// To go on at a segment from `index` on, and to walk to `end` and the segment there.
+fn brick_leap_to(index: u32, at: u32, end: u32) -> Leap {
+    let first = max(index, at & ~1u);
+    return Leap(first, max((end - first) | 1u, BRICK_LEAP_LEAST - 1u) + 1u);
+}

@@ -1,0 +1,36 @@
+// Bricks of the volume: cubes of voxels, of which something is known that holds for all scalars inside.
+
+struct Bricks {
+    // How many there are along each axis; the last ones may be cut off.
+    dims: vec3i,
+    // Maps of bricks are slices along z side by side: how many in a row.
+    columns: i32,
+    // Bricks for the whole of the texture coordinates.
+    per_texture: vec3f,
+    // Voxels along an edge.
+    size: f32,
+    // Texels of a map.
+    map_size: vec2f,
+}
+
+@group(1) @binding(30) var<uniform> bricks: Bricks;
+
+// The brick at a place that is counted in bricks.
+fn bricks_at(place: vec3f) -> vec3i {
+    return clamp(vec3i(floor(place)), vec3i(0), bricks.dims - vec3i(1));
+}
+
+// Where a brick's texel is in a map.
+fn bricks_texel(brick: vec3i) -> vec2i {
+    let tile = vec2i(brick.z % bricks.columns, brick.z / bricks.columns);
+    return tile * bricks.dims.xy + brick.xy;
+}
+
+// The middle of that texel in texture coordinates. Whole numbers are divided one by one on processors: floats are not.
+fn bricks_in_map(brick: vec3i) -> vec2f {
+    let at = vec3f(brick);
+    let columns = f32(bricks.columns);
+    let row = floor((at.z + 0.5) / columns);
+    let tile = vec2f(at.z - row * columns, row);
+    return (tile * vec2f(bricks.dims.xy) + at.xy + 0.5) / bricks.map_size;
+}
