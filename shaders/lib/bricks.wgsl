@@ -7,8 +7,6 @@ struct Bricks {
     columns: i32,
     // Bricks for the whole of the texture coordinates.
     per_texture: vec3f,
-    // Voxels along an edge.
-    size: f32,
     // Texels of a map.
     map_size: vec2f,
 }

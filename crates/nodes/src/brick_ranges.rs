@@ -16,7 +16,7 @@ use volgraph_volume::brick_dims;
 use wgpu_types::TextureFormat;
 
 use crate::encoding::Encoding;
-use crate::placement::{f32_value, vec3, volume};
+use crate::placement::{vec3, volume};
 use crate::source::volume::VolumeSource;
 use crate::volume_texture::storage_param;
 
@@ -107,7 +107,6 @@ pub(crate) fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
             "per_texture",
             vec3(DVec3::from_array(voxels.map(f64::from)) / f64::from(size)),
         ),
-        ("size", f32_value(f64::from(size))),
         (
             "map_size",
             UniformValue::Vec2([map[0] as f32, map[1] as f32]),

@@ -7,6 +7,7 @@ use volgraph_graph::{
     Demand, InputPort, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec, Requirement,
     ResourceDesc, Size, SlotSpec, Uniform,
 };
+use volgraph_optics::union;
 use volgraph_report::Finding;
 use volgraph_shader::{ParamSpec, UniformValue};
 use wgpu_types::TextureFormat;
@@ -61,7 +62,7 @@ pub(crate) const RANGES: Demand = Demand {
 const OUTPUTS: &[OutputPort] = &[OutputPort {
     name: "distance_map",
     ty: PortType::DistanceMap,
-    doc: "In the upper half of each word, whether a brick may be seen, and how far the next one of the other kind is, in bricks along the axis where that is most.",
+    doc: "In the upper half of each number, whether a brick may be seen, and how far the next one of the other kind is, in bricks along the axis where that is most.",
 }];
 
 /// The slot that says what is empty, for kinds that call for this one.
@@ -99,14 +100,7 @@ fn absorbing(node: &NodeContext<'_>) -> Result<Vec<(f64, f64)>, Finding> {
         let spans = transfer.absorbing().into_iter();
         all.extend(spans.map(|(from, to)| (scalar(from), scalar(to))));
     }
-    all.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut spans: Vec<(f64, f64)> = Vec::new();
-    for (from, to) in all {
-        match spans.last_mut() {
-            Some(before) if from < before.1 => before.1 = before.1.max(to),
-            _ => spans.push((from, to)),
-        }
-    }
+    let mut spans = union(all);
     while spans.len() > SPANS {
         let gap = |at: &usize| spans[at + 1].0 - spans[*at].1;
         let least = (0..spans.len() - 1).min_by(|a, b| gap(a).total_cmp(&gap(b)));

@@ -92,11 +92,15 @@ impl Encoding {
         }
     }
 
+    fn texel(&self, scalar: f64) -> f64 {
+        (scalar - self.reference - self.offset) / self.scale
+    }
+
     /// What shaders read of a voxel with a data value: it has been rounded to the storage.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "shaders compute in f32")]
     pub fn stored(&self, scalar: f64) -> f32 {
-        let texel = (scalar - self.reference - self.offset) / self.scale;
+        let texel = self.texel(scalar);
         let texel = match self.format {
             TextureFormat::R8Unorm => f32::from(unorm8(texel)) / 255.0,
             TextureFormat::R16Float => f16::from_f64(texel).to_f32(),
@@ -118,8 +122,7 @@ impl Encoding {
     /// All voxels as texels, x fastest; what is not finite as [`Volume::drawn`] says.
     #[must_use]
     pub fn encode(&self, volume: &Volume) -> Vec<u8> {
-        let texel =
-            |scalar: f64| (volume.drawn(scalar) - self.reference - self.offset) / self.scale;
+        let texel = |scalar: f64| self.texel(volume.drawn(scalar));
         let voxels = volume.voxels();
         match self.format {
             TextureFormat::R8Unorm => match voxels {

@@ -59,22 +59,24 @@ const DERIVED: &[DerivedSlot] = &[DerivedSlot {
     tag: "skips",
 }];
 
-/// How the walk leaps over what the technique does not see.
-fn leap(node: &NodeContext<'_>) -> &'static str {
+/// How the walk leaps over what the technique does not see: the choices of its slots `leap` and `look`.
+fn leaps(node: &NodeContext<'_>) -> [(String, String); 2] {
+    let slots = |leap: &str, look: &str| {
+        [("leap", leap), ("look", look)].map(|(slot, choice)| (slot.to_owned(), choice.to_owned()))
+    };
     let emptiness = node.slot("emptiness");
     let reads_params = ["isovalue", "isovalue_transfer", "isosurfaces"].contains(&emptiness);
     if node.slot("traverse") != "skip"
+        || emptiness == "none"
         || brick_ranges::margin(node.slot("reconstruct")).is_none()
         // Labels may have isosurfaces of their own.
         || (reads_params && !Raycast.param_rows(node).is_empty())
     {
-        return "none";
+        return slots("none", "distance_map");
     }
     match emptiness {
-        "none" => "none",
-        "maximum" => "maximum",
-        "minimum" => "minimum",
-        _ => "bricks",
+        "maximum" | "minimum" => slots("bricks", emptiness),
+        _ => slots("bricks", "distance_map"),
     }
 }
 
@@ -171,7 +173,7 @@ impl NodeKind for Raycast {
         });
         let mut fixed_slots = BTreeMap::from(layers);
         fixed_slots.extend(walk_slots(node));
-        fixed_slots.insert("leap".to_owned(), leap(node).to_owned());
+        fixed_slots.extend(leaps(node));
         fixed_slots.insert("behind".to_owned(), behind.to_owned());
         fixed_slots.extend(beyond_slots(node));
         Some(ProgramSpec {

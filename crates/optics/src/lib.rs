@@ -31,7 +31,7 @@ pub use preintegrated::{
 };
 pub use transfer::{
     Domain, MAX_EXTINCTION_FROM_OPACITY, ReferenceLength, Smooth, SmoothMaterial, TransferFunction,
-    extinction_from_opacity, opacity_from_extinction,
+    extinction_from_opacity, opacity_from_extinction, union,
 };
 
 /// What can be wrong with a request for a table.

@@ -146,6 +146,20 @@ impl Smooth {
     }
 }
 
+/// Open intervals as few that are apart, rising: those that overlap are one.
+#[must_use]
+pub fn union(mut intervals: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    intervals.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut apart: Vec<(f64, f64)> = Vec::new();
+    for (from, to) in intervals {
+        match apart.last_mut() {
+            Some(before) if from < before.1 => before.1 = before.1.max(to),
+            _ => apart.push((from, to)),
+        }
+    }
+    apart
+}
+
 /// A material where it is smooth: between two neighbouring knots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmoothMaterial {
@@ -328,12 +342,9 @@ impl TransferFunction {
                 true => pair[1].next_up(),
                 false => pair[1],
             };
-            match spans.last_mut() {
-                Some(before) if before.1 > from => before.1 = before.1.max(to),
-                _ => spans.push((from, to)),
-            }
+            spans.push((from, to));
         }
-        spans
+        union(spans)
     }
 
     /// Refractive index of a scalar, 1 to 4; at a step the later point's. 1 where the file does not say.

@@ -2,10 +2,13 @@
 
 #![expect(clippy::unwrap_used, reason = "a case fails by panicking")]
 
+mod common;
+
+use common::rays_along_z;
 use glam::DVec3;
 use volgraph_optics::{Material, TransferFunction};
 use volgraph_reference::{
-    Background, Field, Lamp, Look, Materials, Matter, Place, Rays, Scene, Silent, render,
+    Background, Field, Lamp, Look, Materials, Matter, Place, Scene, Silent, render,
 };
 use volgraph_volume::{Grid, Volume, Voxels};
 
@@ -30,15 +33,6 @@ fn scene(color: f64, lamp: Option<f64>, behind: f64) -> Scene {
         by_transfer: false,
     };
     let matter = Matter::new(&transfer, (0.0, 1.0), 1.0, &materials);
-    let rays = Rays {
-        eye: DVec3::new(0.5, 0.5, -9.0),
-        right: DVec3::X,
-        up: DVec3::Y,
-        forward: DVec3::Z,
-        half_extent: [0.4; 2],
-        is_orthographic: true,
-        size: [2, 2],
-    };
     let lamps = lamp.map(|color| {
         vec![Lamp {
             place: Place::Towards(-DVec3::Z),
@@ -52,7 +46,7 @@ fn scene(color: f64, lamp: Option<f64>, behind: f64) -> Scene {
     };
     Scene {
         background: Background::Uniform([behind, behind, behind, 1.0]),
-        ..Scene::unlit(rays, field, look)
+        ..Scene::unlit(rays_along_z([2, 2]), field, look)
     }
 }
 

@@ -2,9 +2,12 @@
 
 #![expect(clippy::unwrap_used, reason = "a case fails by panicking")]
 
+mod common;
+
+use common::rays_along_z;
 use glam::DVec3;
 use volgraph_optics::TransferFunction;
-use volgraph_reference::{Field, Look, Materials, Matter, Rays, Scene, Silent, render};
+use volgraph_reference::{Field, Look, Materials, Matter, Scene, Silent, render};
 use volgraph_volume::{Grid, Volume, Voxels};
 
 /// Four voxels in a row from `from` to `to`, seen along them; colours and extinctions linear in the scalar.
@@ -17,17 +20,8 @@ fn scene(from: f32, to: f32, extinction: f64) -> Scene {
           extinction: [(0, 0), (1, {extinction})])"
     );
     let transfer = TransferFunction::parse("dense.ron".as_ref(), &text).unwrap();
-    let rays = Rays {
-        eye: DVec3::new(0.5, 0.5, -9.0),
-        right: DVec3::X,
-        up: DVec3::Y,
-        forward: DVec3::Z,
-        half_extent: [0.4; 2],
-        is_orthographic: true,
-        size: [1, 1],
-    };
     let matter = Matter::new(&transfer, (0.0, 1.0), 1.0, &Materials::NONE);
-    Scene::unlit(rays, field, Look::unlit(matter))
+    Scene::unlit(rays_along_z([1, 1]), field, Look::unlit(matter))
 }
 
 #[test]

@@ -20,6 +20,7 @@ pub mod advise;
 pub mod case;
 mod dependencies;
 pub mod embedded;
+pub mod folders;
 pub mod metadata;
 pub mod methods;
 mod overrides;

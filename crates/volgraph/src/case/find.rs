@@ -5,13 +5,11 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use volgraph_report::ron_text::Document;
-use volgraph_report::{Finding, Findings, Place};
+use volgraph_report::{Finding, Findings};
 
 use super::read::MAX_TEXT_BYTES;
 use super::{OWN_FIELDS, is_case};
-
-/// Folders deeper than this are not searched.
-const MAX_DEPTH: usize = 64;
+use crate::folders::{search, unreadable};
 
 /// The case files that these paths name, sorted, each once: folders are searched for them, files must be some.
 ///
@@ -22,7 +20,9 @@ pub fn find(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Findings> {
     let mut files = Vec::new();
     for path in paths {
         match fs::metadata(path) {
-            Ok(metadata) if metadata.is_dir() => search(path, 0, &mut files, &mut findings),
+            Ok(metadata) if metadata.is_dir() => {
+                search(path, &is_case_file, &mut files, &mut findings);
+            }
             Ok(_) => files.push(path.clone()),
             Err(error) => findings.push(unreadable(path, &error)),
         }
@@ -41,28 +41,6 @@ pub fn find(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Findings> {
         );
     }
     findings.into_result(files)
-}
-
-fn search(folder: &Path, depth: usize, files: &mut Vec<PathBuf>, findings: &mut Findings) {
-    let entries = match fs::read_dir(folder) {
-        Ok(entries) => entries,
-        Err(error) => return findings.push(unreadable(folder, &error)),
-    };
-    for entry in entries.flatten() {
-        let path = entry.path();
-        let is_hidden = entry.file_name().to_string_lossy().starts_with('.');
-        // A linked folder may lead back to where it lies.
-        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
-        if is_folder && !is_hidden && depth < MAX_DEPTH {
-            search(&path, depth + 1, files, findings);
-        } else if !is_folder {
-            match is_case_file(&path) {
-                Ok(true) => files.push(path),
-                Ok(false) => {}
-                Err(error) => findings.push(unreadable(&path, &error)),
-            }
-        }
-    }
 }
 
 /// Whether a file that a folder holds is a case, also where it is a broken one: what nobody runs cannot fail.
@@ -104,12 +82,6 @@ fn is_meant_as_case(text: &str) -> bool {
             })
         })
     })
-}
-
-fn unreadable(path: &Path, error: &io::Error) -> Finding {
-    Finding::error("io", format!("it cannot be read: {error}"))
-        .at(Place::whole_file(path))
-        .help("check that the path is right and that you may read it")
 }
 
 #[cfg(test)]

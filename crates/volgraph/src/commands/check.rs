@@ -18,6 +18,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use volgraph::folders::{search, unreadable};
 use volgraph::{Case, Finding, Findings, Place, case, embedded, registry};
 use volgraph_nodes::source::segments;
 use volgraph_optics::TransferFunction;
@@ -25,9 +26,6 @@ use volgraph_report::ron_text::Document;
 
 use crate::args::{CheckArgs, FindingFormat};
 use crate::output;
-
-/// Folders deeper than this are not searched.
-const MAX_DEPTH: usize = 64;
 
 /// A `.ron` file is at most this long.
 const MAX_RON_BYTES: u64 = 4 << 20;
@@ -70,7 +68,12 @@ pub(super) fn files(paths: &[PathBuf], findings: &mut Findings) -> Vec<PathBuf> 
     let mut files = Vec::new();
     for path in paths {
         match fs::metadata(path) {
-            Ok(metadata) if metadata.is_dir() => search(path, 0, &mut files, findings),
+            Ok(metadata) if metadata.is_dir() => search(
+                path,
+                &|path| Ok(is_checked(path) && path.is_file()),
+                &mut files,
+                findings,
+            ),
             Ok(_) if is_checked(path) => files.push(path.clone()),
             Ok(_) => findings.push(
                 Finding::error(
@@ -102,33 +105,9 @@ pub(super) fn files(paths: &[PathBuf], findings: &mut Findings) -> Vec<PathBuf> 
     files
 }
 
-fn search(folder: &Path, depth: usize, files: &mut Vec<PathBuf>, findings: &mut Findings) {
-    let entries = match fs::read_dir(folder) {
-        Ok(entries) => entries,
-        Err(error) => return findings.push(unreadable(folder, &error)),
-    };
-    for entry in entries.flatten() {
-        let path = entry.path();
-        let is_hidden = entry.file_name().to_string_lossy().starts_with('.');
-        // A linked folder may lead back to where it lies.
-        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
-        if is_folder && !is_hidden && depth < MAX_DEPTH {
-            search(&path, depth + 1, files, findings);
-        } else if !is_folder && is_checked(&path) && path.is_file() {
-            files.push(path);
-        }
-    }
-}
-
 fn is_checked(path: &Path) -> bool {
     path.extension()
         .is_some_and(|extension| extension == "wgsl" || extension == "ron")
-}
-
-fn unreadable(path: &Path, error: &std::io::Error) -> Finding {
-    Finding::error("io", format!("it cannot be read: {error}"))
-        .at(Place::whole_file(path))
-        .help("check that the path is right and that you may read it")
 }
 
 /// A test case, a graph or a transfer function, by its fields.

@@ -1,0 +1,11 @@
+// What is known of a brick? Whether it may be seen, and how far the next one is of the other kind.
+#import "lib/brick_look.wgsl"
+#import "lib/bricks.wgsl"
+#import "lib/nearest_sampler.wgsl"
+
+@group(1) @binding(32) var distance_map: texture_2d<f32>;
+
+fn look_at(brick: vec3i) -> BrickLook {
+    let number = u32(textureSampleLevel(distance_map, nearest_sampler, bricks_in_map(brick), 0.0).x) >> 12u;
+    return BrickLook((number & 0x800u) != 0u, i32(number & 0x7ffu));
+}

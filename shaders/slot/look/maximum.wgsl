@@ -1,0 +1,8 @@
+// What is known of a brick? Whether it can raise the largest scalar that the ray has met; of those around it nothing.
+#import "lib/brick_look.wgsl"
+#import "lib/brick_ranges.wgsl"
+#import "lib/extremum.wgsl"
+
+fn look_at(brick: vec3i) -> BrickLook {
+    return BrickLook(brick_range(brick).y > extremum_reached, 1);
+}
