@@ -27,5 +27,5 @@ fn brick_leap_through(ray: Ray, index: u32, place: vec3f, low: vec3i, high: vec3
 // To go on at a segment from `index` on, and to walk to `end` and the segment there.
 fn brick_leap_to(index: u32, at: u32, end: u32) -> Leap {
     let first = max(index, at & ~1u);
-    return Leap(first, max((end - first) | 1u, BRICK_LEAP_LEAST - 1u) + 1u);
+    return Leap(first, max((end - first) | 1u, BRICK_LEAP_LEAST - 1u) + 1u, 1u);
 }

@@ -5,4 +5,6 @@ struct Leap {
     index: u32,
     // How many are walked, at least one; an even number, but for the last of a part.
     segments: u32,
+    // How many steps each of them takes.
+    stride: u32,
 }

@@ -1,6 +1,6 @@
 // Rays towards lights: they walk over the same parts as the eye's, and so obey clips and labels.
 #import "lib/lights.wgsl"
-#import "lib/parts.wgsl"
+#import slot "parts"
 #import "lib/shadow_step.wgsl"
 #import slot "reconstruct"
 

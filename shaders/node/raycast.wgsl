@@ -2,7 +2,7 @@
 // The walk is here; what a segment means is the technique's. The same walk runs as a fragment shader over the proxy
 // geometry and as a compute shader over the pixels that it covers.
 #import "lib/volume.wgsl"
-#import "lib/parts.wgsl"
+#import slot "parts"
 #import "lib/sample.wgsl"
 #import "lib/shown.wgsl"
 #import slot "traverse"
@@ -62,7 +62,7 @@ fn raycast_pixel(pixel: vec2f) -> Shown {
                 break;
             }
             for (var turn = 0u; turn < leap.segments && start < length; turn++) {
-                let end = traverse_segment_end(ray, index);
+                let end = traverse_segment_end(ray, index + leap.stride - 1u);
                 let back = sample_along(ray, end);
                 samples++;
                 let segment = segment_between(front, back, start, end - start);
@@ -73,7 +73,7 @@ fn raycast_pixel(pixel: vec2f) -> Shown {
                 }
                 front = back;
                 start = end;
-                index++;
+                index += leap.stride;
             }
         }
     }

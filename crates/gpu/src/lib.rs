@@ -21,5 +21,5 @@ mod timing;
 pub use adapter::{AdapterChoice, AdapterSummary, list_adapters};
 pub use device::Gpu;
 pub use error::GpuError;
-pub use readback::Texels;
+pub use readback::{TexelValues, Texels};
 pub use runner::{Building, FrameReport, Installation, NodeReport, Runner};

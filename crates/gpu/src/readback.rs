@@ -1,7 +1,10 @@
 //! From device memory to the host.
 
+use std::sync::Mutex;
+
+use bytemuck::Pod;
 use wgpu::{
-    Buffer, BufferDescriptor, BufferUsages, CommandEncoderDescriptor, Extent3d, MapMode, Origin3d,
+    Buffer, BufferDescriptor, BufferUsages, CommandEncoderDescriptor, MapMode, Origin3d,
     TexelCopyBufferInfo, TexelCopyBufferLayout, TexelCopyTextureInfo, TextureAspect, TextureFormat,
 };
 
@@ -16,27 +19,56 @@ pub struct Texels {
     pub extent: [u32; 3],
     /// Their format.
     pub format: TextureFormat,
-    /// Their bytes.
-    pub bytes: Vec<u8>,
+    /// Their numbers.
+    pub values: TexelValues,
 }
 
-impl Texels {
-    /// The texels of an `f32` format as numbers; empty for other formats.
-    #[must_use]
-    pub fn to_f32(&self) -> Vec<f32> {
-        match self.format {
-            TextureFormat::R32Float | TextureFormat::Rg32Float | TextureFormat::Rgba32Float => self
-                .bytes
-                .chunks_exact(4)
-                .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
-                .collect(),
-            _ => Vec::new(),
+/// The numbers of texels.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TexelValues {
+    /// One number each.
+    Scalars(Vec<f32>),
+    /// Two numbers each.
+    Pairs(Vec<[f32; 2]>),
+    /// Four numbers each.
+    Colors(Vec<[f32; 4]>),
+    /// Of other formats, the bytes.
+    Bytes(Vec<u8>),
+}
+
+/// The buffer that textures are copied through: kept, since a fresh one costs more than the copy.
+#[derive(Debug, Default)]
+pub(crate) struct Staging(Mutex<Option<Buffer>>);
+
+impl Staging {
+    /// A buffer of exactly so many bytes.
+    fn take(&self, gpu: &Gpu, bytes: u64) -> Buffer {
+        let kept = self.0.lock().ok().and_then(|mut kept| kept.take());
+        if let Some(buffer) = kept.filter(|buffer| buffer.size() == bytes) {
+            return buffer;
+        }
+        gpu.device.create_buffer(&BufferDescriptor {
+            label: Some("read-back"),
+            size: bytes,
+            usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        })
+    }
+
+    fn keep(&self, buffer: Buffer) {
+        if let Ok(mut kept) = self.0.lock() {
+            *kept = Some(buffer);
         }
     }
 }
 
 /// Copies a texture to the host.
-pub(crate) fn read_texture(gpu: &Gpu, held: &Held, what: &str) -> Result<Texels, GpuError> {
+pub(crate) fn read_texture(
+    gpu: &Gpu,
+    staging: &Staging,
+    held: &Held,
+    what: &str,
+) -> Result<Texels, GpuError> {
     let Some(texture) = held.texture() else {
         return Err(GpuError::Output {
             name: what.to_owned(),
@@ -51,12 +83,7 @@ pub(crate) fn read_texture(gpu: &Gpu, held: &Held, what: &str) -> Result<Texels,
     let rows = u64::from(extent[1]) * u64::from(extent[2]);
     let bytes = padded_row * rows;
     let buffer = gpu.scoped(what, 0, || {
-        let buffer = gpu.device.create_buffer(&BufferDescriptor {
-            label: Some("read-back"),
-            size: bytes,
-            usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
+        let buffer = staging.take(gpu, bytes);
         let mut encoder = gpu
             .device
             .create_command_encoder(&CommandEncoderDescriptor {
@@ -77,35 +104,52 @@ pub(crate) fn read_texture(gpu: &Gpu, held: &Held, what: &str) -> Result<Texels,
                     rows_per_image: Some(extent[1]),
                 },
             },
-            Extent3d {
-                width: extent[0],
-                height: extent[1],
-                depth_or_array_layers: extent[2],
-            },
+            size,
         );
         gpu.queue.submit([encoder.finish()]);
         buffer
     })?;
-    let padded = map(gpu, &buffer, bytes)?;
     let (row, padded_row) = (to_usize(row), to_usize(padded_row));
-    let bytes = if row == padded_row {
-        padded
-    } else {
-        padded
-            .chunks_exact(padded_row)
-            .flat_map(|padded| &padded[..row])
-            .copied()
-            .collect()
-    };
+    let format = texture.format();
+    let values = mapped(gpu, &buffer, bytes, |bytes| match format {
+        TextureFormat::R32Float => TexelValues::Scalars(unpadded(bytes, row, padded_row)),
+        TextureFormat::Rg32Float => TexelValues::Pairs(unpadded(bytes, row, padded_row)),
+        TextureFormat::Rgba32Float => TexelValues::Colors(unpadded(bytes, row, padded_row)),
+        _ => TexelValues::Bytes(unpadded(bytes, row, padded_row)),
+    })?;
+    staging.keep(buffer);
     Ok(Texels {
         extent,
-        format: texture.format(),
-        bytes,
+        format,
+        values,
     })
+}
+
+/// Rows without what is between them.
+fn unpadded<T: Pod>(bytes: &[u8], row: usize, padded_row: usize) -> Vec<T> {
+    if row == padded_row {
+        return bytemuck::pod_collect_to_vec(bytes);
+    }
+    let rows = bytes.chunks_exact(padded_row.max(1));
+    let mut values = Vec::with_capacity(rows.len() * row / size_of::<T>());
+    for padded in rows {
+        values.extend(bytemuck::pod_collect_to_vec::<u8, T>(&padded[..row]));
+    }
+    values
 }
 
 /// Waits for a buffer and copies its bytes.
 pub(crate) fn map(gpu: &Gpu, buffer: &Buffer, bytes: u64) -> Result<Vec<u8>, GpuError> {
+    mapped(gpu, buffer, bytes, <[u8]>::to_vec)
+}
+
+/// Waits for a buffer and makes something of its bytes.
+fn mapped<R>(
+    gpu: &Gpu,
+    buffer: &Buffer,
+    bytes: u64,
+    make: impl FnOnce(&[u8]) -> R,
+) -> Result<R, GpuError> {
     let failed = |reason: String| GpuError::Device {
         what: "reading back".to_owned(),
         reason,
@@ -121,13 +165,13 @@ pub(crate) fn map(gpu: &Gpu, buffer: &Buffer, bytes: u64) -> Result<Vec<u8>, Gpu
         Ok(Err(error)) => return Err(failed(error.to_string())),
         Err(error) => return Err(failed(error.to_string())),
     }
-    let mapped = buffer
+    let range = buffer
         .get_mapped_range(0..bytes)
         .map_err(|error| failed(error.to_string()))?;
-    let copy = mapped.to_vec();
-    drop(mapped);
+    let made = make(&range);
+    drop(range);
     buffer.unmap();
-    Ok(copy)
+    Ok(made)
 }
 
 fn to_usize(n: u64) -> usize {

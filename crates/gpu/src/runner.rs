@@ -24,6 +24,7 @@ use crate::device::Gpu;
 use crate::error::GpuError;
 use crate::pipelines::Pipelines;
 use crate::pool::{Held, Wish, make, shared};
+use crate::readback::Staging;
 
 pub use installation::Installation;
 use schedule::must_run;
@@ -50,6 +51,7 @@ pub struct Runner {
     gpu: Arc<Gpu>,
     pipelines: Pipelines,
     samplers: Samplers,
+    staging: Staging,
     made: u64,
     reused: u64,
 }
@@ -88,6 +90,7 @@ impl Runner {
             gpu,
             pipelines: Pipelines::default(),
             samplers,
+            staging: Staging::default(),
             made: 0,
             reused: 0,
         }

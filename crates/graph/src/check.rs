@@ -272,9 +272,11 @@ fn dimension(ty: PortType) -> Option<TextureDim> {
         | PortType::Pieces
         | PortType::ImageTexture
         | PortType::DistanceMap
+        | PortType::StrideMap
         | PortType::LightGrid => Some(TextureDim::D2),
         PortType::Table3d
         | PortType::BrickRanges
+        | PortType::BrickDetails
         | PortType::VolumeTexture
         | PortType::GradientTexture
         | PortType::LabelTexture => Some(TextureDim::D3),

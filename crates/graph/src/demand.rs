@@ -264,6 +264,8 @@ fn is_texture(ty: crate::PortType) -> bool {
             | P::ImageTexture
             | P::BrickRanges
             | P::DistanceMap
+            | P::BrickDetails
+            | P::StrideMap
             | P::LightGrid
     )
 }

@@ -53,6 +53,10 @@ pub enum PortType {
     BrickRanges,
     /// A 2D texture with the slices of a grid of bricks side by side: of each brick, how far the next is that may be seen.
     DistanceMap,
+    /// A 3D texture of the largest first and second derivative of each brick.
+    BrickDetails,
+    /// A 2D texture with the slices of a grid of bricks side by side: how long the segments of each brick may be.
+    StrideMap,
     /// A 2D texture with the slices of a grid side by side: of four lights, the share that reaches a point.
     LightGrid,
     /// A buffer of triangles.
@@ -79,6 +83,8 @@ impl fmt::Display for PortType {
             Self::ImageTexture => "image_texture",
             Self::BrickRanges => "brick_ranges",
             Self::DistanceMap => "distance_map",
+            Self::BrickDetails => "brick_details",
+            Self::StrideMap => "stride_map",
             Self::LightGrid => "light_grid",
             Self::Mesh => "mesh",
         })

@@ -64,6 +64,20 @@ pub(crate) fn margin(reconstruct: &str) -> Option<u32> {
     }
 }
 
+/// The margin for a node's own reconstruction.
+///
+/// # Errors
+/// `bad-slot` where it is not known.
+pub(crate) fn known_margin(node: &NodeContext<'_>) -> Result<u32, Finding> {
+    margin(node.slot("reconstruct")).ok_or_else(|| {
+        node.error(
+            "bad-slot",
+            "of its slot `reconstruct` it is not known which voxels a scalar is made of",
+        )
+        .help("choose `nearest`, `trilinear` or `tricubic`")
+    })
+}
+
 /// Slices of a map of bricks in a row of its texture: as near to a square as slices lie.
 fn columns([x, y, z]: [u32; 3]) -> u32 {
     let wanted = f64::from(z) * f64::from(y) / f64::from(x.max(1));
@@ -150,13 +164,7 @@ impl NodeKind for BrickRanges {
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         let encoding = Encoding::choose(volume(node, "volume")?, node.text("volume_storage"));
-        let margin = margin(node.slot("reconstruct")).ok_or_else(|| {
-            node.error(
-                "bad-slot",
-                "of its slot `reconstruct` it is not known which voxels a scalar is made of",
-            )
-            .help("choose `nearest`, `trilinear` or `tricubic`")
-        })?;
+        let margin = known_margin(node)?;
         let size = node.uint("brick_size");
         let source = node.source::<VolumeSource>("volume");
         let volume = source.map(|source| Arc::clone(&source.volume));

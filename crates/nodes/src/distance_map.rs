@@ -110,6 +110,37 @@ fn absorbing(node: &NodeContext<'_>) -> Result<Vec<(f64, f64)>, Finding> {
     Ok(spans)
 }
 
+/// The members of the uniform `absorbing` (see `lib/absorbing.wgsl`).
+///
+/// # Errors
+/// `missing-input`.
+pub(crate) fn absorbing_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
+    let spans = absorbing(node)?;
+    let count = u32::try_from(spans.len()).unwrap_or(u32::MAX);
+    let finite = |at: f64| at.clamp(f64::from(f32::MIN), f64::from(f32::MAX));
+    let span = |at: usize| {
+        let (from, to) = spans.get(at).copied().unwrap_or_default();
+        // Rounded outwards.
+        #[expect(clippy::cast_possible_truncation, reason = "shaders compute in f32")]
+        let ends = [finite(from) as f32, finite(to) as f32];
+        let from_low = if f64::from(ends[0]) > from {
+            ends[0].next_down()
+        } else {
+            ends[0]
+        };
+        let to_high = if f64::from(ends[1]) < to {
+            ends[1].next_up()
+        } else {
+            ends[1]
+        };
+        UniformValue::Vec4([from_low, to_high, 0.0, 0.0])
+    };
+    Ok(vec![
+        ("count", UniformValue::U32(count)),
+        ("spans", UniformValue::Array((0..SPANS).map(span).collect())),
+    ])
+}
+
 impl NodeKind for DistanceMap {
     fn name(&self) -> &'static str {
         "distance_map"
@@ -175,32 +206,7 @@ impl NodeKind for DistanceMap {
         match name {
             "volume" => placement::uniform(node),
             "bricks" => brick_ranges::uniform(node),
-            _ => {
-                let spans = absorbing(node)?;
-                let count = u32::try_from(spans.len()).unwrap_or(u32::MAX);
-                let finite = |at: f64| at.clamp(f64::from(f32::MIN), f64::from(f32::MAX));
-                let span = |at: usize| {
-                    let (from, to) = spans.get(at).copied().unwrap_or_default();
-                    // Rounded outwards.
-                    #[expect(clippy::cast_possible_truncation, reason = "shaders compute in f32")]
-                    let ends = [finite(from) as f32, finite(to) as f32];
-                    let from_low = if f64::from(ends[0]) > from {
-                        ends[0].next_down()
-                    } else {
-                        ends[0]
-                    };
-                    let to_high = if f64::from(ends[1]) < to {
-                        ends[1].next_up()
-                    } else {
-                        ends[1]
-                    };
-                    UniformValue::Vec4([from_low, to_high, 0.0, 0.0])
-                };
-                Ok(vec![
-                    ("count", UniformValue::U32(count)),
-                    ("spans", UniformValue::Array((0..SPANS).map(span).collect())),
-                ])
-            }
+            _ => absorbing_uniform(node),
         }
     }
 

@@ -5,6 +5,7 @@
 //! scalars become texels) and [`placement`] (the uniform of a volume). [`registry`] has them all.
 
 pub mod background;
+pub mod brick_details;
 pub mod brick_ranges;
 pub(crate) mod clip_volume;
 pub mod difference;
@@ -29,6 +30,7 @@ pub mod reference;
 pub mod refraction_table;
 pub mod segmentation;
 pub mod source;
+pub mod stride_map;
 pub mod transfer_table;
 pub mod volume_texture;
 
@@ -49,6 +51,8 @@ pub fn registry() -> Registry {
         .add_node(raycast::Raycast)
         .add_node(brick_ranges::BrickRanges)
         .add_node(distance_map::DistanceMap)
+        .add_node(brick_details::BrickDetails)
+        .add_node(stride_map::StrideMap)
         .add_node(volume_texture::VolumeTexture)
         .add_node(label_texture::LabelTexture)
         .add_node(gradient::Gradient)

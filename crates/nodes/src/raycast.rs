@@ -24,7 +24,7 @@ use crate::background::Background;
 use crate::source::segments::SegmentsSource;
 use crate::{
     brick_ranges, clip_volume, light_volume, lit_preintegration, placement, preintegration,
-    preintegration_3d, proxy_box, segmentation, transfer_table, volume_texture,
+    preintegration_3d, proxy_box, segmentation, stride_map, transfer_table, volume_texture,
 };
 
 /// The node kind `raycast`.
@@ -65,17 +65,26 @@ fn leaps(node: &NodeContext<'_>) -> [(String, String); 2] {
         [("leap", leap), ("look", look)].map(|(slot, choice)| (slot.to_owned(), choice.to_owned()))
     };
     let emptiness = node.slot("emptiness");
+    let has_labels = !Raycast.param_rows(node).is_empty();
     let reads_params = ["isovalue", "isovalue_transfer", "isosurfaces"].contains(&emptiness);
-    if node.slot("traverse") != "skip"
+    if node.slot("traverse") == "uniform"
         || emptiness == "none"
         || brick_ranges::margin(node.slot("reconstruct")).is_none()
         // Labels may have isosurfaces of their own.
-        || (reads_params && !Raycast.param_rows(node).is_empty())
+        || (reads_params && has_labels)
     {
         return slots("none", "distance_map");
     }
     match emptiness {
         "maximum" | "minimum" => slots("bricks", emptiness),
+        // Labels may have steps of their own; the nearest voxel's scalar has no derivatives.
+        "transfer"
+            if node.slot("traverse") == "adaptive"
+                && !has_labels
+                && node.slot("reconstruct") != "nearest" =>
+        {
+            slots("strides", "distance_map")
+        }
         _ => slots("bricks", "distance_map"),
     }
 }
@@ -111,6 +120,7 @@ impl NodeKind for Raycast {
             ),
             volume_texture::storage_param(),
             brick_ranges::size_param(),
+            stride_map::tolerance_param(),
             clip_volume::storage_param(),
             transfer_table::size_param(),
             preintegration::size_param(),

@@ -13,6 +13,7 @@
 
 pub mod analytic;
 mod axes;
+mod brick_details;
 mod bricks;
 mod data_files;
 mod error;
@@ -31,6 +32,7 @@ mod text_data;
 mod volume;
 mod voxels;
 
+pub use brick_details::BrickDetails;
 pub use bricks::{BrickRanges, brick_dims};
 pub use data_files::DataFiles;
 pub use error::{Trouble, VolumeError};

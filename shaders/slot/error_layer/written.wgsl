@@ -9,7 +9,7 @@
 // the end of a part or alone in one (as behind a cut), is the same in both walks: it is compared with its halves instead.
 // Rays that a technique bends are walked a second time, and have the whole difference alone. Not estimated: what is
 // integrated elsewhere (shadows, tables), and where `clip_method: naive` cuts.
-#import "lib/parts.wgsl"
+#import slot "parts"
 #import "lib/sample.wgsl"
 #import "lib/shown.wgsl"
 #import slot "behind"
@@ -88,7 +88,7 @@ fn error_layer_finish(walk: ptr<function, ErrorLayer>, state: TechniqueState, ra
             // The walk has ended within a pair.
             let first = (*walk).first;
             let start = first.start + first.length;
-            let end = traverse_segment_end(ray, (*walk).count);
+            let end = min(start + first.length, ray.far - ray.near);
             let back = sample_along(ray, end);
             error_layer_double(walk, ray, error_layer_pair(first, segment_between(first.back, back, start, end - start)));
         }

@@ -3,5 +3,5 @@
 #import "lib/ray.wgsl"
 
 fn leap_from(ray: Ray, index: u32) -> Leap {
-    return Leap(index, 65535u);
+    return Leap(index, 65535u, 1u);
 }

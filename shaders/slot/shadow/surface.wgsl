@@ -26,6 +26,7 @@
 #import "lib/isovalue.wgsl"
 #import "lib/shadow_ray.wgsl"
 #import "lib/shadow_reach.wgsl"
+#import slot "clip"
 
 struct ShadowStart {
     world: vec3f,

@@ -4,7 +4,7 @@
 #import "lib/beyond.wgsl"
 #import "lib/crossing.wgsl"
 #import "lib/isovalue.wgsl"
-#import "lib/parts.wgsl"
+#import slot "parts"
 #import "lib/surface.wgsl"
 #import slot "clip"
 #import slot "light"

@@ -143,7 +143,7 @@ impl Runner {
         let Some(at) = plan.allocation_of.get(&(link.node, link.port.clone())) else {
             return Err(no_output("it is a source, not a picture".to_owned()));
         };
-        read_texture(&self.gpu, &installation.held[*at], output)
+        read_texture(&self.gpu, &self.staging, &installation.held[*at], output)
     }
 }
 

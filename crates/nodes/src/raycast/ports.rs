@@ -4,6 +4,7 @@ use volgraph_graph::{Demand, InputPort, OutputPort, PortType, Requirement, SlotS
 
 use crate::distance_map;
 use crate::lit_preintegration::{self, LitPreintegration};
+use crate::stride_map;
 use crate::{material_table, preintegration};
 
 pub(super) const INPUTS: &[InputPort] = &[
@@ -88,6 +89,12 @@ pub(super) const INPUTS: &[InputPort] = &[
         ty: PortType::DistanceMap,
         requirement: Requirement::DemandedAlike("distance_map"),
         doc: "How far each brick is from the next one of which anything may be seen.",
+    },
+    InputPort {
+        name: "stride_map",
+        ty: PortType::StrideMap,
+        requirement: Requirement::Demanded(stride_map::STRIDES),
+        doc: "How long segments may be in each brick.",
     },
     InputPort {
         name: "clip_volume_texture",

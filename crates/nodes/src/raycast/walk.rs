@@ -22,7 +22,11 @@ pub(crate) fn walk_slots(node: &NodeContext<'_>) -> BTreeMap<String, String> {
     } else {
         "one"
     };
+    // Most rays have one part, and need no loop over parts.
+    let is_whole = node.slot("clip") == "none" && !segmentation::has_labels(node);
+    let parts = if is_whole { "one" } else { "many" };
     BTreeMap::from([
+        ("parts".to_owned(), parts.to_owned()),
         placement::filter_slot(node),
         placement::filter_slot_at(node, "clip_volume"),
         (segmentation::TABLES_SLOT.to_owned(), tables.to_owned()),

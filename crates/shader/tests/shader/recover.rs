@@ -253,6 +253,7 @@ fn one_mistake_in_a_real_shader_is_one_finding() {
         ("environment", "none"),
         ("clip", "none"),
         ("labels", "none"),
+        ("parts", "one"),
         ("depth_layer", "written"),
         ("opacity_layer", "none"),
         ("position_layer", "none"),

@@ -1,6 +1,7 @@
 //! The picture of a frame: colour, and of the graph's other outputs those that belong to each pixel.
 
-use volgraph_gpu::{Installation, Runner, Texels};
+use glam::Vec4;
+use volgraph_gpu::{Installation, Runner, TexelValues, Texels};
 use volgraph_graph::View;
 use volgraph_nodes::raycast::NO_DEPTH;
 use volgraph_picture::{Layer, LayerValues, Picture};
@@ -21,7 +22,11 @@ pub(super) fn picture(
     let mut picture = read(runner, installation, "color")?;
     let layer = |name: &str| -> Result<Option<Vec<f32>>, Findings> {
         if plan.graph.outputs.contains_key(name) {
-            Ok(Some(runner.read(installation, name)?.to_f32()))
+            let texels = runner.read(installation, name)?;
+            match texels.values {
+                TexelValues::Scalars(numbers) => Ok(Some(numbers)),
+                _ => Err(unfit(name, &texels, "one number for each pixel")),
+            }
         } else {
             Ok(None)
         }
@@ -59,19 +64,15 @@ fn layers(
             continue;
         }
         let is_position = link.port == "position";
-        let numbers = texels.to_f32();
-        let values = if numbers.len() == picture.color.len() {
-            LayerValues::Scalar(numbers)
-        } else {
-            let pixels = numbers.chunks_exact(4).map(|p| {
-                let shift = if is_position && p[3] > 0.0 {
-                    origin.as_vec3().to_array()
-                } else {
-                    [0.0; 3]
-                };
-                [p[0] + shift[0], p[1] + shift[1], p[2] + shift[2], p[3]]
-            });
-            LayerValues::Vector(pixels.collect())
+        let values = match texels.values {
+            TexelValues::Scalars(numbers) => LayerValues::Scalar(numbers),
+            TexelValues::Colors(mut vectors) => {
+                for at in vectors.iter_mut().filter(|at| is_position && at[3] > 0.0) {
+                    *at = (Vec4::from_array(*at) + origin.as_vec3().extend(0.0)).to_array();
+                }
+                LayerValues::Vector(vectors)
+            }
+            TexelValues::Pairs(_) | TexelValues::Bytes(_) => continue,
         };
         layers.push(Layer {
             name: name.clone(),
@@ -88,27 +89,27 @@ pub(super) fn read(
     output: &str,
 ) -> Result<Picture, Findings> {
     let texels: Texels = runner.read(installation, output)?;
-    let numbers = texels.to_f32();
     let [width, height, _] = texels.extent;
-    let pixels = width as usize * height as usize;
-    let color: Vec<[f32; 4]> = if numbers.len() == 4 * pixels {
-        numbers
-            .chunks_exact(4)
-            .map(|p| [p[0], p[1], p[2], p[3]])
-            .collect()
-    } else if numbers.len() == pixels {
-        numbers
+    let color = match texels.values {
+        TexelValues::Colors(colors) => colors,
+        TexelValues::Scalars(numbers) => numbers
             .iter()
             .map(|&value| [value, value, value, 1.0])
-            .collect()
-    } else {
-        return Err(Finding::error(
-            "output",
-            format!("output `{output}` is no picture but {:?}", texels.format),
-        )
-        .help("name an output of a port of type color or scalar_2d")
-        .into());
+            .collect(),
+        TexelValues::Pairs(_) | TexelValues::Bytes(_) => {
+            return Err(unfit(output, &texels, "a picture"));
+        }
     };
     Picture::from_color(width, height, color)
         .map_err(|error| Finding::error("picture", error.to_string()).into())
+}
+
+fn unfit(output: &str, texels: &Texels, what: &str) -> Findings {
+    let format = texels.format;
+    Finding::error(
+        "output",
+        format!("output `{output}` is not {what} but {format:?}"),
+    )
+    .help("name an output of a port of type color or scalar_2d")
+    .into()
 }

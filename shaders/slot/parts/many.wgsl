@@ -1,4 +1,4 @@
-// The parts of a ray that are seen, from front to back: what `clip` leaves of it, cut where the `labels` change. Every
+// Which parts of the ray are seen, from front to back? What `clip` leaves of it, cut where the `labels` change. Every
 // walk through the volume goes over them, that of a shadow as well; each part is a ray of its own, whose entry is the
 // part's start. So segments are whole from a cut on, and no technique needs to know of cuts. The first voxel behind a
 // cut is a part of its own: light changes there from the cut's normal to the field's (see `surface_inner_normal`), and
@@ -17,7 +17,7 @@ struct Parts {
     bends: u32,
 }
 
-// Whatever the slots say, a ray has an end of parts.
+// Most parts of a ray that is not bent: whatever the slots say, it has an end of parts.
 const PARTS_MAX: u32 = 4096u;
 
 fn parts_begin(ray: Ray) -> Parts {
