@@ -55,7 +55,12 @@ impl<L: Lanes> Classified<L> for Post<L> {
             let through = l.halved(l.mul(extinction, per_extinction));
             let opacity = l.sub(l.splat(1.0), through);
             let is_whole = l.at_least(segments.end, segments.whole_end);
-            let short = [l.mul(r, opacity), l.mul(g, opacity), l.mul(b, opacity), through];
+            let short = [
+                l.mul(r, opacity),
+                l.mul(g, opacity),
+                l.mul(b, opacity),
+                through,
+            ];
             for channel in 0..4 {
                 shown[channel] = l.select(is_whole, shown[channel], short[channel]);
             }
@@ -96,11 +101,7 @@ impl<L: Lanes> Integral1d<L> {
     fn integral_to(l: L, tables: &Tables, place: L::F) -> [[L::F; 4]; 2] {
         // Column 0 is what is below the range, the last one what is above.
         let one = l.splat(1.0);
-        let from_first = l.clamp(
-            l.add(place, one),
-            l.splat(0.0),
-            l.splat(tables.last + 1.0),
-        );
+        let from_first = l.clamp(l.add(place, one), l.splat(0.0), l.splat(tables.last + 1.0));
         let column = l.truncated(from_first);
         let part = l.sub(place, l.sub(l.float(column), one));
         let row = l.mul_whole(column, l.whole(3));

@@ -72,7 +72,9 @@ fn distances(dims: [u32; 3], is_one: impl Fn(usize) -> bool) -> Vec<i32> {
                 let mut best = line[i];
                 let mut step = 1;
                 // No farther than what is found already.
-                while i32::try_from(step).is_ok_and(|step| step < best) && (step <= i || i + step < count) {
+                while i32::try_from(step).is_ok_and(|step| step < best)
+                    && (step <= i || i + step < count)
+                {
                     let far = i32::try_from(step).unwrap_or(FARTHEST);
                     if step <= i {
                         best = best.min(line[i - step].max(far));

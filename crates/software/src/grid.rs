@@ -49,18 +49,27 @@ pub(crate) trait Sampled: Sync {
 }
 
 impl VoxelGrid {
+    /// Whether there can be one of a volume.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn check(volume: &Volume) -> Result<(), SoftwareError> {
+        let dims = volume.grid().dims;
+        let more = dims.iter().map(|n| u64::from(*n) + 1);
+        if more.fold(1, u64::saturating_mul) < 1 << 31 {
+            Ok(())
+        } else {
+            Err(SoftwareError::TooLarge { dims })
+        }
+    }
+
     /// The voxels of a volume.
     ///
     /// # Errors
     /// [`SoftwareError::TooLarge`] where places in it are no 32-bit numbers.
     pub fn new(volume: &Volume) -> Result<Self, SoftwareError> {
+        Self::check(volume)?;
         let dims = volume.grid().dims;
-        let count = dims
-            .iter()
-            .fold(1_u64, |product, n| product.saturating_mul(u64::from(*n) + 1));
-        if count >= 1 << 31 {
-            return Err(SoftwareError::TooLarge { dims });
-        }
         let voxels = volume.voxels();
         let (cells, offset) = match (voxels, voxels.scalar_type()) {
             (Voxels::U8(values), _) => (faces(dims, |at| u32::from(values[at])), 0.0),
@@ -77,7 +86,11 @@ impl VoxelGrid {
                 let (low, high) = volume.statistics().range().unwrap_or((0.0, 0.0));
                 // Data so far from 0 would lose digits in f32.
                 let is_far = low.abs().max(high.abs()) > 16.0 * (high - low);
-                let offset = if is_far || ty != ScalarType::F32 { low } else { 0.0 };
+                let offset = if is_far || ty != ScalarType::F32 {
+                    low
+                } else {
+                    0.0
+                };
                 #[expect(clippy::cast_possible_truncation, reason = "samples are f32")]
                 let value = |at| (volume.drawn(voxels.get(at)) - offset) as f32;
                 (singles(dims, |at| value(at).to_bits()), offset)
@@ -127,10 +140,7 @@ fn faces(dims: [u32; 3], value: impl Fn(usize) -> u32 + Sync) -> Cells {
     let place = voxel(dims);
     let at = |x, y, z| value(place([x, y, z]));
     Cells::Faces(Faces(words(dims, [0, 0, 1], |[x, y, z]| {
-        at(x, y, z)
-            | at(x + 1, y, z) << 8
-            | at(x, y + 1, z) << 16
-            | at(x + 1, y + 1, z) << 24
+        at(x, y, z) | at(x + 1, y, z) << 8 | at(x, y + 1, z) << 16 | at(x + 1, y + 1, z) << 24
     })))
 }
 
@@ -165,10 +175,7 @@ impl Words {
             |axis| l.sub(inside[axis], l.float([x, y, z][axis])),
         );
         let row = l.add_whole(l.mul_whole(y, l.whole(self.row)), x);
-        (
-            l.add_whole(l.mul_whole(z, l.whole(self.layer)), row),
-            parts,
-        )
+        (l.add_whole(l.mul_whole(z, l.whole(self.layer)), row), parts)
     }
 
     #[inline(always)]
@@ -203,7 +210,11 @@ impl Sampled for Edges {
         let (row, layer) = (self.0.row, self.0.layer);
         let near = l.mix(self.edge(l, cell, 0, u), self.edge(l, cell, row, u), v);
         let far = [layer, layer + row];
-        let far = l.mix(self.edge(l, cell, far[0], u), self.edge(l, cell, far[1], u), v);
+        let far = l.mix(
+            self.edge(l, cell, far[0], u),
+            self.edge(l, cell, far[1], u),
+            v,
+        );
         l.mix(near, far, w)
     }
 }
@@ -224,7 +235,11 @@ impl Sampled for Singles {
         let (row, layer) = (self.0.row, self.0.layer);
         let near = l.mix(self.edge(l, cell, 0, u), self.edge(l, cell, row, u), v);
         let far = [layer, layer + row];
-        let far = l.mix(self.edge(l, cell, far[0], u), self.edge(l, cell, far[1], u), v);
+        let far = l.mix(
+            self.edge(l, cell, far[0], u),
+            self.edge(l, cell, far[1], u),
+            v,
+        );
         l.mix(near, far, w)
     }
 }

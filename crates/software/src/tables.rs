@@ -85,7 +85,9 @@ impl Tables {
                     .collect()
             }
         };
-        let per_world = transfer.reference_length().extinction_per_world(units.spacing);
+        let per_world = transfer
+            .reference_length()
+            .extinction_per_world(units.spacing);
         let whole = rows.iter().map(|[r, g, b, extinction]| {
             let depth = f64::from(*extinction) * per_world * step_world;
             let opacity = -(-depth).exp_m1();
@@ -96,8 +98,8 @@ impl Tables {
             Classify::Post => whole.collect(),
             Classify::Integral1d(_) => Vec::new(),
         };
-        let [low, high] = [transfer.range().0, transfer.range().1]
-            .map(|at| units.values.0 + at * units.values.1);
+        let [low, high] =
+            [transfer.range().0, transfer.range().1].map(|at| units.values.0 + at * units.values.1);
         let entries = f64::from(size - 1);
         let places = match classify {
             Classify::Post => entries,
@@ -114,7 +116,8 @@ impl Tables {
             before
         };
         let entries_before = before(&mut rows.iter().map(|row| row[3] > 0.0));
-        let columns_before = before(&mut integrals.iter().skip(2).step_by(3).map(|row| row[3] > 0.0));
+        let columns_before =
+            before(&mut integrals.iter().skip(2).step_by(3).map(|row| row[3] > 0.0));
         let mut tables = Self {
             classify,
             place: (single(per_value), single((offset - low) * per_value)),
@@ -145,7 +148,11 @@ impl Tables {
             Some(after) => (after as f64 - 2.0) / per_place - 1e-2,
         };
         let entries = place(&self.entries_before, f64::from(self.rows_per_place));
-        single(entries.min(place(&self.columns_before, 1.0)).clamp(-1e30, 1e30))
+        single(
+            entries
+                .min(place(&self.columns_before, 1.0))
+                .clamp(-1e30, 1e30),
+        )
     }
 
     /// Whether anything of data values between two is seen.
@@ -163,7 +170,10 @@ impl Tables {
         let [from, to] = [low, high].map(|value| (value - self.low) * self.per_value);
         let per_place = f64::from(self.rows_per_place);
         // One more on either side: places are rounded.
-        any(&self.entries_before, from * per_place - 1.0, to * per_place + 3.0)
-            || any(&self.columns_before, from, to + 3.0)
+        any(
+            &self.entries_before,
+            from * per_place - 1.0,
+            to * per_place + 3.0,
+        ) || any(&self.columns_before, from, to + 3.0)
     }
 }

@@ -82,10 +82,7 @@ impl<'a, L: Lanes> Walk<'a, L> {
     pub(crate) fn position(&self, distance: L::F) -> [L::F; 3] {
         three(
             #[inline(always)]
-            |axis| {
-                self.l
-                    .mul_add(distance, self.slope[axis], self.entry[axis])
-            },
+            |axis| self.l.mul_add(distance, self.slope[axis], self.entry[axis]),
         )
     }
 
@@ -177,10 +174,7 @@ impl<'a, L: Lanes> Walk<'a, L> {
         for axis in 0..3 {
             let first = l.float(brick[axis]);
             let low = l.mul(l.sub(first, beside), l.splat(edge));
-            let high = l.mul(
-                l.add(l.add(first, beside), l.splat(1.0)),
-                l.splat(edge),
-            );
+            let high = l.mul(l.add(l.add(first, beside), l.splat(1.0)), l.splat(edge));
             // The outer bricks go on outside.
             let low = l.select(l.less(l.splat(0.0), low), low, l.splat(-1e9));
             let high = l.select(l.less(high, l.splat(last[axis])), high, l.splat(1e9));
@@ -192,11 +186,7 @@ impl<'a, L: Lanes> Walk<'a, L> {
             l.splat(self.raycast.step_world.recip()),
         );
         // Whole segments up to there, but for rounding.
-        let reach = l.array(l.clamp(
-            l.sub(steps, l.splat(1e-3)),
-            l.splat(0.0),
-            l.splat(1e9),
-        ));
+        let reach = l.array(l.clamp(l.sub(steps, l.splat(1e-3)), l.splat(0.0), l.splat(1e9)));
         let away = l.array(away);
         let (mut leap, mut seen) = (u32::MAX, 0);
         for lane in (0..COUNT).filter(|lane| active >> lane & 1 == 1) {

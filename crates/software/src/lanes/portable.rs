@@ -7,11 +7,7 @@ use super::{COUNT, Lanes};
 pub struct Portable;
 
 #[inline(always)]
-fn each<A: Copy, B: Copy, R>(
-    a: [A; COUNT],
-    b: [B; COUNT],
-    of: impl Fn(A, B) -> R,
-) -> [R; COUNT] {
+fn each<A: Copy, B: Copy, R>(a: [A; COUNT], b: [B; COUNT], of: impl Fn(A, B) -> R) -> [R; COUNT] {
     std::array::from_fn(|lane| of(a[lane], b[lane]))
 }
 
