@@ -92,3 +92,30 @@ fn distances(dims: [u32; 3], is_one: impl Fn(usize) -> bool) -> Vec<i32> {
     by_axis(&mut away, nx * ny, nz);
     away
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_are_those_of_a_search_over_all_bricks() {
+        let dims = [7_u32, 5, 6];
+        let places: Vec<[u32; 3]> = (0..dims[2])
+            .flat_map(|z| (0..dims[1]).flat_map(move |y| (0..dims[0]).map(move |x| [x, y, z])))
+            .collect();
+        for salt in 0..8_usize {
+            let is_one = |at: usize| (at * 7919 + salt * 104_729) % 97 < 3 * salt;
+            let found = distances(dims, is_one);
+            for (at, place) in places.iter().enumerate() {
+                let ones = places
+                    .iter()
+                    .enumerate()
+                    .filter(|(other, _)| is_one(*other));
+                let away = ones.map(|(_, other)| (0..3).map(|i| place[i].abs_diff(other[i])).max());
+                let nearest = away.flatten().min();
+                let truth = nearest.map_or(FARTHEST, |away| i32::try_from(away).unwrap());
+                assert_eq!(found[at], truth, "{place:?} of {salt}");
+            }
+        }
+    }
+}

@@ -146,3 +146,73 @@ pub fn with_lanes<W: Work>(work: W) -> W::Output {
     }
     work.with(Portable)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What every operation makes, as bits.
+    struct All;
+
+    impl Work for All {
+        type Output = Vec<u32>;
+        fn with<L: Lanes>(self, l: L) -> Vec<u32> {
+            let words = [7_u32, 0xfedc_ba98, 3];
+            let rows = [[1.0_f32, 2.0, 3.0, 4.0], [5.0, 6.0, 7.0, 8.0]];
+            let a = l.floats([0.0, -0.25, 1.5, 126.5, 3e5, 1e-30, -7.75, 2.0]);
+            let b = l.floats([1.0, 3.0, -2.5, 0.1, 0.3, 1e-30, 11.0, 2.0]);
+            let whole = l.truncated(a);
+            let size = l.max(a, l.sub(l.splat(0.0), a));
+            let mut all = vec![
+                l.array(l.add(a, b)),
+                l.array(l.mul(a, b)),
+                l.array(l.div(a, b)),
+                l.array(l.mix(a, b, l.splat(0.3))),
+                l.array(l.clamp(a, l.splat(-1.0), l.splat(2.0))),
+                l.array(l.select(l.both(l.less(a, b), l.at_least(b, b)), a, b)),
+                l.array(l.halved(size)),
+                l.array(l.float(l.add_whole(l.mul_whole(whole, whole), whole))),
+            ];
+            // Places before the start and past the end as well.
+            let word = l.gather(&words, whole);
+            all.push(l.array(l.byte::<0>(word)));
+            all.push(l.array(l.byte::<16>(word)));
+            all.push(l.array(l.byte::<24>(word)));
+            all.push(l.array(l.half::<0>(word)));
+            all.push(l.array(l.half::<16>(word)));
+            all.push(l.array(l.from_bits(word)));
+            all.push(l.array(l.float(l.gather(&[], whole))));
+            all.extend(four(|i| l.array(l.gather_rows(&rows, whole)[i])));
+            let bits = l.bits(l.less(a, b));
+            let all = all.into_iter().flatten().map(f32::to_bits);
+            all.chain([bits]).collect()
+        }
+    }
+
+    #[test]
+    fn all_machines_make_the_same_bits() {
+        let portable = All.with(Portable);
+        assert!(with_lanes(All) == portable);
+        // The last word stands for all beyond: 3, its lowest byte, of places 126, 300000 and -7.
+        let bytes: Vec<f32> = portable[64..72]
+            .iter()
+            .map(|bits| f32::from_bits(*bits))
+            .collect();
+        assert_eq!(bytes, [7.0, 7.0, 152.0, 3.0, 3.0, 7.0, 3.0, 3.0]);
+    }
+
+    #[test]
+    fn powers_of_a_half_are_right_to_2e_7() {
+        for i in 0..10_000_u16 {
+            let a = f32::from(i) * 0.0125;
+            let [found, ..] = Portable.halved(Portable.splat(a));
+            let truth = (-f64::from(a)).exp2();
+            assert!(
+                (f64::from(found) / truth - 1.0).abs() < 2e-7,
+                "{a}: {found}"
+            );
+        }
+        assert_eq!(Portable.halved(Portable.splat(0.0))[0], 1.0);
+        assert!(Portable.halved(Portable.splat(1e30))[0] < 2e-38);
+    }
+}
