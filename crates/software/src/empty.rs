@@ -44,6 +44,16 @@ impl DistanceMap {
     }
 }
 
+impl DistanceMap {
+    /// The share of bricks of which something may be seen.
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, reason = "a share")]
+    pub fn seen_share(&self) -> f64 {
+        let seen = self.away.iter().filter(|away| away.cast_signed() <= 0);
+        seen.count() as f64 / self.away.len().max(1) as f64
+    }
+}
+
 /// Chebyshev distances to the next brick of a kind, exact, axis by axis.
 fn distances(dims: [u32; 3], is_one: impl Fn(usize) -> bool) -> Vec<i32> {
     let [nx, ny, nz] = dims.map(|n| n as usize);

@@ -36,6 +36,9 @@ pub(crate) trait Classified<L: Lanes> {
     fn leapt(&mut self) {}
 }
 
+/// Segments that a look at bricks costs as much as.
+const LOOKS: u32 = 4;
+
 /// Eight rays.
 pub(crate) struct Walk<'a, L: Lanes> {
     pub(crate) l: L,
@@ -111,7 +114,7 @@ impl<'a, L: Lanes> Walk<'a, L> {
             if let Some(map) = self.raycast.empty
                 && index >= look_at
             {
-                let (next, again) = self.look(map, index, start, l.bits(active));
+                let (next, again) = self.look(map, index, start, active);
                 look_at = again;
                 if next > index {
                     index = next;
@@ -151,8 +154,9 @@ impl<'a, L: Lanes> Walk<'a, L> {
         clippy::cast_precision_loss,
         reason = "numbers of segments and of bricks, in f32 or clamped to what it holds"
     )]
-    fn look(&self, map: &DistanceMap, index: u32, start: f32, active: u32) -> (u32, u32) {
+    fn look(&self, map: &DistanceMap, index: u32, start: f32, is_active: L::M) -> (u32, u32) {
         let l = self.l;
+        let active = l.bits(is_active);
         let at = self.position(l.splat(start));
         let dims = self.raycast.voxels.dims;
         let edge = map.edge as f32;
@@ -186,20 +190,32 @@ impl<'a, L: Lanes> Walk<'a, L> {
             l.splat(self.raycast.step_world.recip()),
         );
         // Whole segments up to there, but for rounding.
-        let reach = l.array(l.clamp(l.sub(steps, l.splat(1e-3)), l.splat(0.0), l.splat(1e9)));
-        let away = l.array(away);
-        let (mut leap, mut seen) = (u32::MAX, 0);
-        for lane in (0..COUNT).filter(|lane| active >> lane & 1 == 1) {
-            let reach = reach[lane] as u32;
-            if away[lane] > 0.0 {
-                leap = leap.min(reach);
+        let reach = l.clamp(l.sub(steps, l.splat(1e-3)), l.splat(0.0), l.splat(1e9));
+        let is_empty = l.less(l.splat(0.0), away);
+        if l.bits(is_empty) & active == active {
+            let reach = l.select(is_active, reach, l.splat(1e9));
+            let leap = fold(l.array(reach), f32::min) as u32;
+            // A short leap says that there is more to see nearby.
+            let again = if leap >= index + LOOKS {
+                leap
             } else {
-                seen = seen.max(reach.max(index + 1));
-            }
+                index + LOOKS
+            };
+            return (leap.max(index), again);
         }
-        if seen > 0 {
-            return (index, seen);
-        }
-        (leap.max(index), index + 1)
+        // Somebody is seen until the last of those has left.
+        let is_seen = l.both(is_active, l.less(away, l.splat(0.0)));
+        let seen = fold(l.array(l.select(is_seen, reach, l.splat(0.0))), f32::max);
+        (index, (seen as u32).max(index + LOOKS))
     }
+}
+
+/// All lanes, pair by pair.
+#[inline(always)]
+fn fold(a: [f32; COUNT], of: impl Fn(f32, f32) -> f32) -> f32 {
+    let [a, b] = [
+        of(of(a[0], a[1]), of(a[2], a[3])),
+        of(of(a[4], a[5]), of(a[6], a[7])),
+    ];
+    of(a, b)
 }

@@ -1,7 +1,8 @@
 //! Lanes as registers of AVX2.
 
+use bytemuck::cast;
 use pulp::x86::V3;
-use pulp::{cast, f32x8, i32x8, m32x8, u32x8};
+use pulp::{f32x8, i32x8, m32x8, u32x8};
 
 use super::{COUNT, Lanes, four};
 
@@ -162,8 +163,8 @@ impl Lanes for Avx2 {
             #[inline(always)]
             |lane| {
                 let [low, high] = [at[lane], at[lane + 4]];
-                let low = rows.get(low as usize).copied().unwrap_or_default();
-                let high = rows.get(high as usize).copied().unwrap_or_default();
+                let low = *rows.get(low as usize).unwrap_or(&[0.0; 4]);
+                let high = *rows.get(high as usize).unwrap_or(&[0.0; 4]);
                 avx._mm256_insertf128_ps::<1>(avx._mm256_castps128_ps256(cast(low)), cast(high))
             },
         );
