@@ -82,7 +82,7 @@ pub(crate) struct Integral1d<L: Lanes> {
 /// Of all fours of lines, of which the first starts at 0 and the last is 1, those with the smallest error: slopes over
 /// halvings and starts.
 const LINES: [(f32, f32); 4] = [
-    (0.795_102_74 * std::f32::consts::LN_2, 0.0),
+    (0.795_102_7 * std::f32::consts::LN_2, 0.0),
     (0.347_700_56 * std::f32::consts::LN_2, 0.262_390_86),
     (0.081_134_1 * std::f32::consts::LN_2, 0.692_492_3),
     (0.0, 1.0),

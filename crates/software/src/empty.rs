@@ -71,7 +71,7 @@ fn distances(dims: [u32; 3], is_one: impl Fn(usize) -> bool) -> Vec<i32> {
     let by_axis = |away: &mut Vec<i32>, stride: usize, count: usize| {
         // The least over all others along the axis of the larger one of their distance and of how far they are.
         let lines: Vec<usize> = (0..away.len())
-            .filter(|at| (at / stride) % count == 0)
+            .filter(|at| (at / stride).is_multiple_of(count))
             .collect();
         let mut line = vec![0; count];
         for start in lines {

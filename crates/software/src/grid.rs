@@ -248,8 +248,8 @@ impl Singles {
     /// Linear between the voxel so many places on and the next one along x.
     #[inline(always)]
     fn edge<L: Lanes>(&self, l: L, cell: L::I, more: i32, u: L::F) -> L::F {
-        let a = l.from_bits(self.0.load(l, cell, more));
-        let b = l.from_bits(self.0.load(l, cell, more + 1));
+        let a = l.of_bits(self.0.load(l, cell, more));
+        let b = l.of_bits(self.0.load(l, cell, more + 1));
         l.mix(a, b, u)
     }
 }

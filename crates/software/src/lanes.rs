@@ -82,7 +82,7 @@ pub trait Lanes: Copy + Send + Sync {
     /// Sixteen bits of each, from a bit on, as floats.
     fn half<const FROM: i32>(self, a: Self::I) -> Self::F;
     /// The floats with these bits.
-    fn from_bits(self, a: Self::I) -> Self::F;
+    fn of_bits(self, a: Self::I) -> Self::F;
     /// 2 to a power of -126 to 127.
     fn power(self, a: Self::I) -> Self::F;
 
@@ -180,7 +180,7 @@ mod tests {
             all.push(l.array(l.byte::<24>(word)));
             all.push(l.array(l.half::<0>(word)));
             all.push(l.array(l.half::<16>(word)));
-            all.push(l.array(l.from_bits(word)));
+            all.push(l.array(l.of_bits(word)));
             all.push(l.array(l.float(l.gather(&[], whole))));
             all.extend(four(|i| l.array(l.gather_rows(&rows, whole)[i])));
             let bits = l.bits(l.less(a, b));

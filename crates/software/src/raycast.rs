@@ -98,12 +98,12 @@ impl Picture<'_> {
                     continue;
                 }
                 let shown = Walk::new(lanes, self.raycast, &packet).shown::<S, C>(cells);
-                for lane in 0..COUNT {
+                for (lane, length) in packet.length.into_iter().enumerate() {
                     let (right, down) = (lane as u32 % SIZE[0], lane as u32 / SIZE[0]);
                     let at = ((y + down) * width + x + right) as usize;
                     let [r, g, b, open] = [0, 1, 2, 3].map(|channel| shown[channel][lane]);
                     // Beyond the right edge is the next row's pixel.
-                    if packet.length[lane] > 0.0
+                    if length > 0.0
                         && let Some(pixel) = pixels.get_mut(at)
                     {
                         let color = [r, g, b, 1.0 - open];

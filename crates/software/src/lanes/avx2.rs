@@ -128,7 +128,7 @@ impl Lanes for Avx2 {
         self.float(cast(self.0.and_u32x8(shifted, self.0.splat_u32x8(0xffff))))
     }
     #[inline(always)]
-    fn from_bits(self, a: i32x8) -> f32x8 {
+    fn of_bits(self, a: i32x8) -> f32x8 {
         cast(a)
     }
     #[inline(always)]

@@ -111,7 +111,7 @@ impl Lanes for Portable {
         a.map(|a| f32::from((a as u32 >> FROM) as u16))
     }
     #[inline(always)]
-    fn from_bits(self, a: Self::I) -> Self::F {
+    fn of_bits(self, a: Self::I) -> Self::F {
         a.map(|a| f32::from_bits(a as u32))
     }
     #[inline(always)]
