@@ -1,5 +1,7 @@
 //! Pictures of the software raycaster: to closed forms, to the float64 reference, and to each other.
 
+#![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use std::path::Path;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
