@@ -51,11 +51,12 @@ pub fn graph_file(name: &str) -> PathBuf {
 }
 
 /// Ready graphs that need no file, by what they show; tests of each group run side by side.
-pub const GROUPS: [(&str, &[&str]); 4] = [
+pub const GROUPS: [(&str, &[&str]); 5] = [
     ("solids", SOLIDS),
     ("volumes", VOLUMES),
     ("parts and projections", PARTS_AND_PROJECTIONS),
     ("comparisons", COMPARISONS),
+    ("software", SOFTWARE),
 ];
 
 /// Surfaces, and what is within one.
@@ -104,6 +105,9 @@ pub const PARTS_AND_PROJECTIONS: &[&str] = &[
 
 /// Pictures of graphs above, held against another.
 pub const COMPARISONS: &[&str] = &["difference", "error"];
+
+/// Drawn on the processor: they have no stages.
+pub const SOFTWARE: &[&str] = &["software"];
 
 #[cfg(test)]
 mod tests {

@@ -29,6 +29,7 @@ pub mod raycast;
 pub mod reference;
 pub mod refraction_table;
 pub mod segmentation;
+pub mod software_raycast;
 pub mod source;
 pub mod stride_map;
 pub mod transfer_table;
@@ -72,6 +73,7 @@ pub fn registry() -> Registry {
         .add_node(false_color::FalseColor)
         .add_node(legend::Legend)
         .add_node(difference::Difference)
-        .add_node(reference::Reference);
+        .add_node(reference::Reference)
+        .add_node(software_raycast::SoftwareRaycast::default());
     registry
 }

@@ -8,6 +8,7 @@ mod scene;
 mod space;
 mod values;
 
+pub(crate) use behind::behind;
 pub use scene::{raycast_scene, rays};
 
 use volgraph_graph::{

@@ -19,6 +19,7 @@ mod plan;
 mod reference;
 mod render;
 mod shader_tree;
+mod software;
 mod stress;
 mod test;
 mod verify;

@@ -11,7 +11,7 @@ use crate::background;
 use crate::source::image::ImageSource;
 
 /// The background behind a node; nothing where none is connected.
-pub(super) fn behind(node: &NodeContext<'_>, view: &View) -> Result<Background, Finding> {
+pub(crate) fn behind(node: &NodeContext<'_>, view: &View) -> Result<Background, Finding> {
     let Some(writer) = node.writer("behind") else {
         return Ok(Background::Nothing);
     };

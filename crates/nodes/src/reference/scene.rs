@@ -15,6 +15,7 @@ use super::space::{clip, half_side};
 use super::values::Values;
 use crate::placement;
 use crate::raycast::Raycast;
+use crate::software_raycast::{self, SoftwareRaycast};
 use volgraph_graph::NodeKind;
 
 /// The rays of a view.
@@ -32,11 +33,14 @@ pub fn rays(view: &View) -> Rays {
     }
 }
 
-/// The scene of a `raycast` node in a view.
+/// The scene of a `raycast` node, or of a `software_raycast`, in a view.
 ///
 /// # Errors
 /// `not-covered` where the reference does not know how to compute it; `missing-input`.
 pub fn raycast_scene(node: &NodeContext<'_>, view: &View) -> Result<Scene, Finding> {
+    if node.kind_name() == SoftwareRaycast::default().name() {
+        return software_raycast::scene(node, view);
+    }
     if node.kind_name() != Raycast.name() {
         let message = format!(
             "the reference computes the pictures of raycasts, and this is a `{}`",

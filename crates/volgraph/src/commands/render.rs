@@ -1,6 +1,7 @@
 //! `volgraph render`: a graph into a picture.
 //!
-//! On a machine with no adapter at all the float64 reference draws what it covers, and says so.
+//! On a machine with no adapter at all the software raycaster draws what it covers, the float64 reference what else that
+//! covers, and both say so.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -15,6 +16,7 @@ use volgraph_gpu::{Gpu, GpuError};
 use volgraph_picture::{SaveOptions, SaveReport};
 
 use super::reference::Rows;
+use super::software;
 use super::{check_output, check_overwrites, errors, load, png_bits, session_options};
 use crate::args::RenderArgs;
 use crate::output;
@@ -33,7 +35,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
     let gpu = match Gpu::open(&options.adapter) {
         Ok(gpu) => Arc::new(gpu),
         Err(error @ GpuError::NoAdapter { .. }) if list_adapters().is_empty() => {
-            return by_reference(args, &scene, start, error);
+            return without_adapter(args, &scene, start, error);
         }
         Err(error) => return Err(error.into()),
     };
@@ -108,11 +110,11 @@ fn save(args: &RenderArgs, picture: &Picture) -> Result<SaveReport, Findings> {
         .map_err(|error| errors::of_picture(&error, &args.output).into())
 }
 
-/// Who draws where there is no adapter.
+/// Who draws what the software raycaster does not, where there is no adapter.
 const REFERENCE: &str = "the float64 reference, on the processor";
 
-/// Draws by the reference, for there is no adapter.
-fn by_reference(
+/// Draws on the processor, for there is no adapter.
+fn without_adapter(
     args: &RenderArgs,
     scene: &Scene,
     start: Instant,
@@ -121,6 +123,21 @@ fn by_reference(
     scene.check_color_output().map_err(Findings::from)?;
     let plan = plan_without_device(scene, args.scene.size)?;
     let view = plan.view();
+    let ready = start.elapsed();
+    match software::draw(&plan, &view) {
+        Ok((mut picture, who)) => {
+            let drawn = start.elapsed();
+            picture.metadata = metadata::of(scene, &plan, &view, &who);
+            let times = json!({
+                "ready_ms": milliseconds(ready),
+                "frame_ms": milliseconds(drawn - ready),
+            });
+            return finish_without_adapter(args, &picture, start, &who, times);
+        }
+        Err(finding) if finding.code != "not-covered" => return Err(Findings::from(finding).into()),
+        // The reference says what neither covers.
+        Err(_) => {}
+    }
     let bars = Bars::new();
     let options = TruthOptions {
         tolerance: TOLERANCE,
@@ -138,24 +155,37 @@ fn by_reference(
     };
     let mut picture = truth.picture()?;
     picture.metadata = metadata::of(scene, &plan, &view, &REFERENCE);
-    let saved = save(args, &picture)?;
-    output::note(&format!(
-        "there is no adapter: this is drawn by {REFERENCE}"
-    ));
+    let tolerance = json!({ "tolerance": TOLERANCE });
+    finish_without_adapter(args, &picture, start, REFERENCE, tolerance)
+}
+
+/// Saves a picture that was drawn on the processor, and says by whom.
+fn finish_without_adapter(
+    args: &RenderArgs,
+    picture: &Picture,
+    start: Instant,
+    who: &str,
+    more: serde_json::Value,
+) -> anyhow::Result<ExitCode> {
+    let saved = save(args, picture)?;
+    output::note(&format!("there is no adapter: this is drawn by {who}"));
     let [width, height] = args.scene.size;
     if args.json {
-        output::print_json(&json!({
+        let mut report = json!({
             "output": args.output.display().to_string(),
             "size": args.scene.size,
-            "adapter": REFERENCE,
-            "tolerance": TOLERANCE,
+            "adapter": who,
             "total_ms": milliseconds(start.elapsed()),
             "nan_pixels": saved.nan_pixels,
             "clipped_pixels": saved.clipped_pixels,
-        }));
+        });
+        if let (Some(report), serde_json::Value::Object(more)) = (report.as_object_mut(), more) {
+            report.extend(more);
+        }
+        output::print_json(&report);
     } else {
         output::print(&format!(
-            "{} {width}x{height} in {:.0} ms by {REFERENCE}",
+            "{} {width}x{height} in {:.0} ms by {who}",
             args.output.display(),
             milliseconds(start.elapsed()),
         ));

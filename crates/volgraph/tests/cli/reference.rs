@@ -109,10 +109,65 @@ fn what_it_does_not_compute_is_refused_by_name() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn it_draws_where_there_is_no_adapter_and_says_so() {
+fn the_software_raycaster_draws_where_there_is_no_adapter_and_says_so() {
     let scratch = scratch();
+    let run = scratch.run(&["render", "graph.ron", "-o", "device.exr", "--size", "9x9"]);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    for (classify, method) in [
+        ("post", "`post` at a step of 1"),
+        ("preintegrated_2d", "`integral_1d` at a step of 0.5"),
+    ] {
+        let set = format!("image.slots.classify={classify}");
+        let args = [
+            "render",
+            "graph.ron",
+            "-o",
+            "a.exr",
+            "--size",
+            "9x9",
+            "--set",
+            &set,
+        ];
+        let run = scratch.run_in(&args, NO_DRIVERS);
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        assert!(run.stderr.contains("no adapter"), "{}", run.stderr);
+        let picture = volgraph::Picture::load(&scratch.path().join("a.exr")).unwrap();
+        let mut metadata = picture.metadata.iter();
+        let who = metadata.find(|(key, _)| key == "adapter").unwrap();
+        assert!(
+            who.1.contains("software") && who.1.contains(method),
+            "{who:?}"
+        );
+        let run = scratch.run(&["compare", "a.exr", "device.exr", "--max-error", "1e-6"]);
+        assert_eq!(run.code, Some(0), "{}", run.stdout);
+    }
+    // Of a node that is drawn so in any case, too.
+    let software = GRAPH
+        .replace("\"raycast\"", "\"software_raycast\"")
+        .replace(", \"rays\": \"box\"", "");
+    scratch.write("software.ron", software);
+    for (out, environment) in [("c.exr", &[][..]), ("d.exr", NO_DRIVERS)] {
+        let args = ["render", "software.ron", "-o", out, "--size", "9x9"];
+        let run = scratch.run_in(&args, environment);
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+    }
+    let run = scratch.run(&["compare", "c.exr", "d.exr", "--max-error", "0"]);
+    assert_eq!(run.code, Some(0), "{}", run.stdout);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn the_reference_draws_what_it_does_not_and_says_so() {
+    let scratch = scratch();
+    // Isosurfaces at 2 are nowhere: the matter alone is seen.
+    let sets = [
+        "--set",
+        "image.slots.technique=isosurface_dvr",
+        "--set",
+        "image.isovalue=2",
+    ];
     let args = ["render", "graph.ron", "-o", "a.exr", "--size", "9x9"];
-    let run = scratch.run_in(&args, NO_DRIVERS);
+    let run = scratch.run_in(&[&args[..], &sets].concat(), NO_DRIVERS);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     assert!(run.stderr.contains("no adapter"), "{}", run.stderr);
     let truth = volgraph::Picture::load(&scratch.path().join("a.exr")).unwrap();
