@@ -88,3 +88,31 @@ fn a_volume_of_one_value_is_the_low_end_of_its_range() {
         assert!(error <= 1e-5 && met > 100, "{backend}: {error}");
     }
 }
+
+#[test]
+fn one_sample_of_each_ray_is_the_one_at_its_exit() {
+    let stage = Stage::new()
+        .with_floats("v", [9, 7, 8], |x, _, _| 2.0 + x as f32 / 8.0)
+        .with("graph.ron", scene("v_9x7x8_float32.raw", CAMERAS[0]));
+    let drawn = render(&stage, &["image.samples=0"], &adapters()[0], [32, 32]);
+    let (picture, view) = &drawn;
+    let span = (DVec3::ZERO, DVec3::new(8.0, 6.0, 7.0));
+    let mut met = 0;
+    for y in 0..picture.height {
+        for x in 0..picture.width {
+            let (origin, direction) = ray(view, x, y);
+            if let Some((near, far)) = box_interval((origin, direction), span.0, span.1)
+                && far - near > 1e-3
+            {
+                met += 1;
+                let expected = GAIN * STEP * (origin + far * direction).x / 8.0;
+                let [grey, ..] = picture.color[(y * picture.width + x) as usize];
+                assert!(
+                    (f64::from(grey) - expected).abs() <= 1e-5,
+                    "{grey} {expected}"
+                );
+            }
+        }
+    }
+    assert!(met > 100);
+}

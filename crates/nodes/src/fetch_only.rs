@@ -159,7 +159,7 @@ impl NodeKind for FetchOnly {
     }
 }
 
-/// The longest ray must not have more samples than are taken (`FETCH_ONLY_MAX`).
+/// The longest ray must not have more samples than `samples` can be.
 fn check_samples(node: &NodeContext<'_>) -> Result<(), Finding> {
     let grid = placement::volume(node, "volume")?.grid();
     let step = node.float("step") * grid.min_spacing();
