@@ -7,6 +7,7 @@
 mod growth;
 mod one;
 mod page;
+mod peers;
 mod report;
 mod start_up;
 mod tables;
@@ -83,6 +84,9 @@ impl Bench<'_> {
         }
         if self.args.growth {
             growth::run(self, writer)?;
+        }
+        if let Some(folder) = &self.args.peers {
+            peers::run(self, folder, writer)?;
         }
         Ok(())
     }

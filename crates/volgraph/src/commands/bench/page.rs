@@ -6,6 +6,7 @@ use volgraph::bench::{Growth, GrowthAxis, Row, Table};
 
 use super::growth::exponent;
 use super::one::mib;
+use super::peers::error_words;
 use super::report::Report;
 use crate::commands::drawing::{Axis, Curve, Drawing, Mark, css, inline, short};
 use crate::commands::html::Page;
@@ -32,6 +33,7 @@ pub fn of(report: &Report) -> Result<String, Findings> {
         (start_up(report))
         (tables(report))
         (curves)
+        (peers(report))
         (how(report))
     };
     let adapter = report.adapter.to_string();
@@ -261,7 +263,7 @@ fn curves(report: &Report) -> Result<Markup, Findings> {
         p class="soft" {
             "Median milliseconds of a frame, over what grows, both logarithmic. The line is the power that fits best over the whole range; \
              the exponent is its slope, with its standard error. Nothing is subtracted, so that a fixed cost makes it smaller. Voxels: \
-             at a step of one voxel, so that a ray has more samples as well: 1/3 is one more sample a voxel."
+             at a step of one voxel, so that twice the side is twice the samples of a ray, an exponent of 1/3."
         }
         div class="charts" { @for card in cards { (card) } }
     })
@@ -297,6 +299,42 @@ fn drawing(axis: GrowthAxis, curves: &[&Growth]) -> Result<String, Findings> {
         curves: drawn.collect(),
     };
     Ok(drawing.svg()?)
+}
+
+fn peers(report: &Report) -> Markup {
+    html! {
+        @if !report.peers.is_empty() {
+            h2 { "Other renderers" }
+            p class="soft" {
+                "128³ bytes into 512 × 512 pixels. In each round a renderer draws its frames in a process of its own, then volgraph draws the same \
+                 views, by the fastest of its methods that is accurate enough: 1 for volume rendering, 0.6 for projections. Faster: the median \
+                 ratio of the medians of rounds. Errors are in 8-bit steps over core pixels, against the float64 reference, of pictures \
+                 rounded to 8 bits, which alone makes about 0.29. No error is told of isosurfaces, which each renderer lights by its own model, and of renderers that draw the box \
+                 between voxel centres, which is another picture at its faces."
+            }
+            div class="wide" { table {
+                tr { th { "volume" } th { "renderer, mode, step" } th class="n" { "ms" } th class="n" { "error" }
+                     th { "volgraph" } th class="n" { "ms" } th class="n" { "error" } th class="n" { "faster" } th class="n" { "rounds" } }
+                @for row in &report.peers {
+                    tr {
+                        td { (row.volume) }
+                        td { (row.job.name()) }
+                        @if let (None, Some(theirs), Some(ours), Some(ratio)) = (&row.failed, row.frame_ms, row.method_ms, row.ratio) {
+                            td class="n" { (format!("{:.1}", theirs.median)) }
+                            td class="n" { (error_words(row.error)) }
+                            td { (row.method) }
+                            td class="n" { (format!("{:.1}", ours.median)) }
+                            td class="n" { (error_words(row.method_error)) }
+                            td class="n" { b { (format!("{:.2} ×", ratio.median)) } }
+                            td class="n" { (ratio.n) }
+                        } @else {
+                            td colspan="7" class="soft" { "not timed: " (row.failed.as_deref().unwrap_or_default()) }
+                        }
+                    }
+                }
+            } }
+        }
+    }
 }
 
 fn how(report: &Report) -> Markup {

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use volgraph::bench::{Growth, Table};
+use volgraph::bench::{Growth, PeerRow, Table};
 use volgraph::{AdapterSummary, Finding, Findings, Place};
 
 use super::page;
@@ -34,6 +34,8 @@ pub struct Report {
     pub tables: Vec<Table>,
     /// A technique along an axis each.
     pub growth: Vec<Growth>,
+    /// Other renderers beside volgraph.
+    pub peers: Vec<PeerRow>,
     /// Starts of the program.
     pub start_up: Vec<StartUp>,
 }
@@ -67,6 +69,7 @@ impl Report {
             turn_degrees: 0.0,
             tables: Vec::new(),
             growth: Vec::new(),
+            peers: Vec::new(),
             start_up: Vec::new(),
         }
     }
