@@ -21,7 +21,7 @@ pub use fit::{PowerFit, fit};
 pub use growth::{Growth, GrowthAxis, GrowthOptions, GrowthPoint, growth};
 pub use limit::{empty_of, limit_of};
 pub use memory::{Memory, device_bytes, peak_resident_bytes};
-pub use peers::{PEER_JOBS, PEER_VOLUMES, PeerJob, PeerRow, PeerWork, peer_times};
+pub use peers::{PEER_JOBS, PEER_VOLUMES, PeerJob, PeerRound, PeerRow, PeerWork, peer_times};
 pub use rotation::Rotation;
 pub use stand::{BenchStand, Entry};
 pub use subject::Subject;

@@ -189,21 +189,31 @@ pub struct PeerRow {
 }
 
 impl PeerRow {
-    /// Takes the times of rounds: of each, the renderer's frames and volgraph's.
-    pub fn take(&mut self, rounds: &[(Vec<f64>, Vec<f64>)]) {
-        let all = |times: fn(&(Vec<f64>, Vec<f64>)) -> &Vec<f64>| {
-            Summary::of(&rounds.iter().flat_map(times).copied().collect::<Vec<_>>()).ok()
+    /// Takes the times of rounds.
+    pub fn take(&mut self, rounds: &[PeerRound]) {
+        let summary = |frames: fn(&PeerRound) -> &[f64]| {
+            let all: Vec<f64> = rounds.iter().flat_map(frames).copied().collect();
+            Summary::of(&all).ok()
         };
-        let medians = |times: fn(&(Vec<f64>, Vec<f64>)) -> &Vec<f64>| -> Vec<f64> {
-            rounds
-                .iter()
-                .filter_map(|round| Some(Summary::of(times(round)).ok()?.median))
-                .collect()
+        let medians = |frames: fn(&PeerRound) -> &[f64]| -> Vec<f64> {
+            let rounds = rounds.iter().map(|round| Summary::of(frames(round)));
+            rounds.flatten().map(|round| round.median).collect()
         };
-        self.frame_ms = all(|round| &round.0);
-        self.method_ms = all(|round| &round.1);
-        self.ratio = ratio(&medians(|round| &round.0), &medians(|round| &round.1)).ok();
+        let theirs: fn(&PeerRound) -> &[f64] = |round| &round.peer_ms;
+        let ours: fn(&PeerRound) -> &[f64] = |round| &round.own_ms;
+        self.frame_ms = summary(theirs);
+        self.method_ms = summary(ours);
+        self.ratio = ratio(&medians(theirs), &medians(ours)).ok();
     }
+}
+
+/// One round: milliseconds of frames.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PeerRound {
+    /// The renderer's.
+    pub peer_ms: Vec<f64>,
+    /// volgraph's.
+    pub own_ms: Vec<f64>,
 }
 
 #[cfg(test)]
@@ -240,9 +250,13 @@ mod tests {
             failed: None,
         };
         // The machine is twice as slow in the second round.
+        let round = |peer_ms: &[f64], own_ms: &[f64]| PeerRound {
+            peer_ms: peer_ms.to_vec(),
+            own_ms: own_ms.to_vec(),
+        };
         row.take(&[
-            (vec![40.0, 44.0, 90.0], vec![4.0, 4.0]),
-            (vec![88.0], vec![8.0, 8.0, 8.0]),
+            round(&[40.0, 44.0, 90.0], &[4.0, 4.0]),
+            round(&[88.0], &[8.0, 8.0, 8.0]),
         ]);
         let ratio = row.ratio.unwrap();
         assert_eq!((ratio.min, ratio.max, ratio.n), (11.0, 11.0, 2));

@@ -77,9 +77,12 @@ fn size([width, height]: [u32; 2]) -> String {
     format!("{width} × {height}")
 }
 
+/// The tables of a volume at a size.
+type Group<'r> = ((&'r str, [u32; 2]), Vec<&'r Table>);
+
 /// The tables by volume and size, in the order of the report.
-fn groups(report: &Report) -> Vec<((&str, [u32; 2]), Vec<&Table>)> {
-    let mut groups: Vec<((&str, [u32; 2]), Vec<&Table>)> = Vec::new();
+fn groups(report: &Report) -> Vec<Group<'_>> {
+    let mut groups: Vec<Group<'_>> = Vec::new();
     for table in &report.tables {
         let key = (table.volume.as_str(), table.size);
         match groups.iter_mut().find(|(there, _)| *there == key) {
@@ -187,7 +190,7 @@ fn best(table: &Table) -> Option<f64> {
         .map(|(_, ratio)| ratio)
 }
 
-fn bars(groups: &[((&str, [u32; 2]), Vec<&Table>)]) -> Markup {
+fn bars(groups: &[Group<'_>]) -> Markup {
     let mut names: Vec<&str> = Vec::new();
     for table in groups.iter().flat_map(|(_, tables)| tables) {
         if !names.contains(&table.technique.as_str()) {
@@ -307,14 +310,14 @@ fn peers(report: &Report) -> Markup {
             h2 { "Other renderers" }
             p class="soft" {
                 "128³ bytes into 512 × 512 pixels. In each round a renderer draws its frames in a process of its own, then volgraph draws the same \
-                 views, by the fastest of its methods that is accurate enough: 1 for volume rendering, 0.6 for projections. Faster: the median \
+                 views, by the fastest of its methods that is accurate enough: 1 for volume rendering, 0.6 for projections. × volgraph: the median \
                  ratio of the medians of rounds. Errors are in 8-bit steps over core pixels, against the float64 reference, of pictures \
                  rounded to 8 bits, which alone makes about 0.29. No error is told of isosurfaces, which each renderer lights by its own model, and of renderers that draw the box \
                  between voxel centres, which is another picture at its faces."
             }
             div class="wide" { table {
                 tr { th { "volume" } th { "renderer, mode, step" } th class="n" { "ms" } th class="n" { "error" }
-                     th { "volgraph" } th class="n" { "ms" } th class="n" { "error" } th class="n" { "faster" } th class="n" { "rounds" } }
+                     th { "volgraph" } th class="n" { "ms" } th class="n" { "error" } th class="n" { "× volgraph" } th class="n" { "rounds" } }
                 @for row in &report.peers {
                     tr {
                         td { (row.volume) }
@@ -325,7 +328,7 @@ fn peers(report: &Report) -> Markup {
                             td { (row.method) }
                             td class="n" { (format!("{:.1}", ours.median)) }
                             td class="n" { (error_words(row.method_error)) }
-                            td class="n" { b { (format!("{:.2} ×", ratio.median)) } }
+                            td class="n" { b { (format!("{:.2}", ratio.median)) } }
                             td class="n" { (ratio.n) }
                         } @else {
                             td colspan="7" class="soft" { "not timed: " (row.failed.as_deref().unwrap_or_default()) }

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use volgraph::bench::{
-    BenchStand, Entry, PEER_JOBS, PEER_VOLUMES, PeerJob, PeerRow, PeerWork, Rotation, peer_times,
+    BenchStand, Entry, PEER_JOBS, PEER_VOLUMES, PeerJob, PeerRound, PeerRow, PeerWork, Rotation,
+    peer_times,
 };
 use volgraph::methods::{Frames, Yardstick};
 use volgraph::truth::plan_without_device;
@@ -216,7 +217,10 @@ fn row(
             }
         };
         let ours = (0..FRAMES).map(|number| method.stand.frame(&mut method.entry, number));
-        measured.push((theirs, ours.collect::<Result<Vec<_>, _>>()?));
+        measured.push(PeerRound {
+            peer_ms: theirs,
+            own_ms: ours.collect::<Result<Vec<_>, _>>()?,
+        });
         if began.elapsed().as_secs_f64() > bench.args.seconds {
             break;
         }
@@ -282,13 +286,13 @@ fn words(row: &PeerRow) -> String {
     let head = format!("{:<5} {:<32}", row.volume, row.job.name());
     match (&row.failed, row.frame_ms, row.method_ms, row.ratio) {
         (None, Some(theirs), Some(ours), Some(ratio)) => format!(
-            "{head} {:>8.1} ms, error {}; volgraph {:.1} ms, error {} ({}): {:.2} times faster",
+            "{head} {:>8.1} ms, error {}: {:.2} times as long as volgraph's {:.1} ms, error {} ({})",
             theirs.median,
             error_words(row.error),
+            ratio.median,
             ours.median,
             error_words(row.method_error),
-            row.method,
-            ratio.median
+            row.method
         ),
         (why, ..) => format!("{head} not timed: {}", why.as_deref().unwrap_or_default()),
     }
