@@ -2,6 +2,7 @@
 // The walk is here; what a segment means is the technique's. The same walk runs as a fragment shader over the proxy
 // geometry and as a compute shader over the pixels that it covers.
 #import "lib/volume.wgsl"
+#import "lib/proxy.wgsl"
 #import slot "parts"
 #import "lib/sample.wgsl"
 #import "lib/shown.wgsl"
@@ -106,15 +107,9 @@ fn raycast_begin(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
-// The proxy box, drawn a little larger than it is: rasterisers place corners on a grid of parts of a pixel, and no
-// ray that meets the box may be lost at its outline. Rays beside the box find that out themselves.
 @vertex
 fn raycast_vertex(@location(0) world: vec3f) -> @builtin(position) vec4f {
-    let from_anchor = length(volume.centre - camera.anchor);
-    let distance = select(camera.skipped + from_anchor + volume.radius, 1.0, lens.is_orthographic != 0u);
-    let pixel = 2.0 * lens.half_extent.y / lens.size.y * distance;
-    let larger = 1.0 + 2.0 * pixel / volume.half_side;
-    return frame_clip_from_world(volume.centre + (world - volume.centre) * larger);
+    return proxy_clip_from_world(world);
 }
 
 @fragment

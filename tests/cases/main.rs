@@ -9,6 +9,7 @@ mod closed_forms;
 mod differences;
 mod error_estimates;
 mod exhaustion;
+mod fetch_only;
 mod glass;
 mod hazards;
 mod isosurface_colors;

@@ -12,6 +12,7 @@ pub mod difference;
 pub mod distance_map;
 pub mod encoding;
 pub mod false_color;
+pub mod fetch_only;
 pub mod gradient;
 pub mod image_texture;
 pub mod integral_table;
@@ -50,6 +51,7 @@ pub fn registry() -> Registry {
         .add_node(background::Background)
         .add_node(proxy_box::ProxyBox)
         .add_node(raycast::Raycast)
+        .add_node(fetch_only::FetchOnly)
         .add_node(brick_ranges::BrickRanges)
         .add_node(distance_map::DistanceMap)
         .add_node(brick_details::BrickDetails)

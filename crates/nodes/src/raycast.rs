@@ -297,7 +297,7 @@ impl NodeKind for Raycast {
 }
 
 /// The pixels that the volume's box may cover: `[x, y, width, height]`; `None` where it is out of view.
-fn tile(node: &NodeContext<'_>) -> Result<Option<[u32; 4]>, Finding> {
+pub(crate) fn tile(node: &NodeContext<'_>) -> Result<Option<[u32; 4]>, Finding> {
     let corners = placement::volume(node, "volume")?.grid().corners_world();
     Ok(node.view().and_then(|view| view.pixel_bounds(&corners)))
 }

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod authors;
+mod bench;
 mod chart;
 mod each;
 mod verify;
@@ -14,6 +15,7 @@ use volgraph_volume::ScalarType;
 
 pub use accuracy::{AdviseArgs, ReferenceArgs, StressArgs};
 pub use authors::{GalleryArgs, GraphsArgs, NewArgs, NewSlot, TestArgs};
+pub use bench::BenchArgs;
 pub use chart::{ChartArgs, TruthChoice};
 pub use each::EachSceneArgs;
 pub use verify::{STOCK, VerifyArgs};
@@ -75,8 +77,12 @@ pub enum Command {
     Gallery(GalleryArgs),
     /// List the adapters, the best first.
     Adapters(AdaptersArgs),
-    /// Time the frames of a graph while the camera turns.
-    Bench(BenchArgs),
+    /// Time the frames of a graph while the camera turns; or make the tables of frame rates of all techniques.
+    ///
+    /// Beside each technique the limit is measured in turn: the same rays and samples, and nothing else. With --tables,
+    /// --growth, --start-up or --peers, what is measured goes into bench.json and a page in the folder of -o, after each
+    /// step, so that an interrupt keeps it.
+    Bench(Box<BenchArgs>),
     /// Chart the methods of graphs by speed and accuracy: a table, a chart and a page with pictures and error maps.
     ///
     /// All that a graph's raycast offers is compared: classifications, steps, storages, stages. Frames are timed in turn.
@@ -320,29 +326,6 @@ pub struct AdaptersArgs {
     pub json: bool,
 }
 
-/// `volgraph bench`.
-#[derive(ClapArgs, Debug)]
-pub struct BenchArgs {
-    /// The graph and its changes.
-    #[command(flatten)]
-    pub scene: SceneArgs,
-    /// Frames that are timed.
-    #[arg(long, default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub frames: u32,
-    /// Frames before them that are not.
-    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
-    pub warm_up: u32,
-    /// Degrees that the camera turns around its up direction from frame to frame.
-    #[arg(long, default_value_t = 1.0, value_parser = parse_turn)]
-    pub turn: f64,
-    /// Time drawing alone, without reading pixels back.
-    #[arg(long)]
-    pub no_read_back: bool,
-    /// Print JSON.
-    #[arg(long)]
-    pub json: bool,
-}
-
 /// `volgraph watch`.
 #[derive(ClapArgs, Debug)]
 pub struct WatchArgs {
@@ -379,14 +362,6 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
         _ => Err(format!("`{text}` is not a number of pixels of at least 1")),
     };
     Ok([side(width)?, side(height)?])
-}
-
-/// A camera that stands still would time frames in which nothing is done.
-fn parse_turn(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(turn) if turn.is_finite() && turn != 0.0 => Ok(turn),
-        _ => Err("give a number of degrees other than 0".to_owned()),
-    }
 }
 
 fn parse_dims(text: &str) -> Result<[u32; 3], String> {

@@ -17,6 +17,7 @@
 //! ```
 
 pub mod advise;
+pub mod bench;
 pub mod case;
 mod dependencies;
 pub mod embedded;

@@ -3,6 +3,7 @@
 //! Exit codes: 0 done, 1 findings (all of them printed, with excerpts), 2 wrong usage.
 
 mod args;
+mod clock;
 mod commands;
 mod output;
 mod progress;
@@ -15,6 +16,7 @@ use clap::Parser;
 use crate::args::Args;
 
 fn main() -> ExitCode {
+    clock::start();
     quiet_wayland();
     let args = Args::parse();
     signals::leave_nothing_unfinished();

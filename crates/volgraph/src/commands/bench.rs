@@ -1,72 +1,117 @@
-//! `volgraph bench`: the time of frames while the camera turns.
+//! `volgraph bench`: frame times of one graph, or a report of all techniques.
+//!
+//! [`one`] times a graph beside its limit. A report is made step by step ([`tables`], [`growth`], [`start_up`],
+//! [`peers`]); after each step it is written again as bench.json and as a page ([`page`]), so that nothing measured is
+//! lost where it is interrupted.
 
+mod growth;
+mod one;
+mod page;
+mod peers;
+mod report;
+mod start_up;
+mod tables;
+#[cfg(test)]
+mod tests;
+
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::time::Instant;
 
-use serde_json::json;
-use volgraph::Session;
-use volgraph::methods::{middle, turned};
+use volgraph::bench::{Technique, own_technique};
+use volgraph::{Finding, Findings, SessionOptions};
 use volgraph_gpu::Gpu;
-use volgraph_measure::timing::Summary;
 
-use super::{load, session_options};
-use crate::args::BenchArgs;
+use self::report::{Report, Writer};
+use super::session_options;
+use crate::args::{BenchArgs, SceneArgs};
 use crate::output;
+use crate::progress::Bars;
 
 pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
-    let scene = load(&args.scene)?;
-    let options = session_options(&args.scene, None);
-    let gpu = Arc::new(Gpu::open(&options.adapter)?);
-    let mut session = Session::start(scene, gpu, &options)?;
-    let first = *session.view();
-    let target = middle(session.plan());
-    let mut frame_ms = Vec::new();
-    let mut gpu_ms: Vec<f64> = Vec::new();
-    let mut last = None;
-    for frame in 0..args.warm_up + args.frames {
-        session.place_camera(turned(&first.camera, target, f64::from(frame) * args.turn));
-        let start = Instant::now();
-        let report = session.draw()?;
-        if !args.no_read_back {
-            session.read("color")?;
+    if args.list {
+        for technique in Technique::all() {
+            output::print(&format!("{:<24} {}", technique.name, technique.doc));
         }
-        if frame >= args.warm_up {
-            frame_ms.push(start.elapsed().as_secs_f64() * 1e3);
-            let times: Vec<f64> = report.nodes.iter().filter_map(|node| node.gpu_ms).collect();
-            if !times.is_empty() {
-                gpu_ms.push(times.iter().sum());
-            }
+        return Ok(ExitCode::SUCCESS);
+    }
+    match (&args.output, args.graphs.as_slice()) {
+        (Some(folder), _) if args.is_report() => {
+            let scene = args.report_scene();
+            let options = session_options(&scene, None);
+            let gpu = Arc::new(Gpu::open(&options.adapter)?);
+            let bench = Bench {
+                args,
+                options,
+                gpu: Arc::clone(&gpu),
+                bars: Bars::new(),
+            };
+            let mut writer = Writer::new(folder, Report::new(gpu.adapter().clone()))?;
+            bench.report(&mut writer)?;
+            bench.bars.clear();
+            writer.finish(args.json)?;
+            Ok(ExitCode::SUCCESS)
         }
-        last = Some(report);
+        (_, [graph]) => one::run(args, &scene_args(args, graph.clone())?),
+        _ => Err(Findings::from(
+            Finding::error("bench-graphs", "one graph is timed at a time")
+                .help("name one graph; or add --tables -o FOLDER to compare several"),
+        )
+        .into()),
     }
-    let frames = Summary::of(&frame_ms)?;
-    // Some devices tell no times.
-    let device = Summary::of(&gpu_ms).ok();
-    if args.json {
-        output::print_json(&json!({
-            "adapter": session.adapter(),
-            "size": args.scene.size,
-            "reads_back": !args.no_read_back,
-            "frame_ms": { "min": frames.min, "median": frames.median, "max": frames.max, "all": frame_ms },
-            "gpu_ms": device.map(|device| json!({ "min": device.min, "median": device.median, "max": device.max })),
-            "last_frame": last,
-        }));
-    } else {
-        output::print(&format!(
-            "{} frames of {}x{} on {}: median {:.1} ms, {:.1} to {:.1}{}",
-            frames.n,
-            args.scene.size[0],
-            args.scene.size[1],
-            session.adapter(),
-            frames.median,
-            frames.min,
-            frames.max,
-            device.map_or_else(String::new, |device| format!(
-                "; on the device {:.1} ms",
-                device.median
-            ))
-        ));
+}
+
+fn scene_args(args: &BenchArgs, graph: PathBuf) -> Result<SceneArgs, Findings> {
+    let refused = |why: String| Findings::from(Finding::error("bench-volume", why));
+    args.scene(graph).map_err(refused)
+}
+
+/// What all steps share.
+struct Bench<'a> {
+    args: &'a BenchArgs,
+    options: SessionOptions,
+    gpu: Arc<Gpu>,
+    bars: Bars,
+}
+
+impl Bench<'_> {
+    fn report(&self, writer: &mut Writer) -> Result<(), Findings> {
+        if self.args.start_up {
+            start_up::run(self, writer)?;
+        }
+        if self.args.tables {
+            tables::run(self, writer)?;
+        }
+        if self.args.growth {
+            growth::run(self, writer)?;
+        }
+        if let Some(folder) = &self.args.peers {
+            peers::run(self, folder, writer)?;
+        }
+        Ok(())
     }
-    Ok(ExitCode::SUCCESS)
+
+    /// The techniques that are asked for: graphs of the user's own, or the ready ones.
+    fn techniques(&self, ready: &[&str]) -> Result<Vec<Technique>, Findings> {
+        let mut all: Vec<Technique> = if self.args.graphs.is_empty() {
+            let is_ready = |technique: &Technique| {
+                ready.is_empty()
+                    || !self.args.filter.is_empty()
+                    || ready.contains(&technique.name.as_str())
+            };
+            Technique::all().into_iter().filter(is_ready).collect()
+        } else {
+            self.args
+                .graphs
+                .iter()
+                .map(|graph| own_technique(graph))
+                .collect()
+        };
+        all.retain(|technique| self.args.is_wanted(&technique.name));
+        if all.is_empty() {
+            let finding = Finding::error("no-technique", "no technique has that text in its name");
+            return Err(finding.help("`volgraph bench --list` lists them").into());
+        }
+        Ok(all)
+    }
 }

@@ -1,0 +1,156 @@
+//! One graph, beside its limit.
+
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::time::Instant;
+
+use serde_json::{Value, json};
+use volgraph::bench::{device_bytes, empty_of, limit_of, peak_resident_bytes};
+use volgraph::methods::{middle, turned};
+use volgraph::{Findings, FrameReport, Scene, Session, SessionOptions};
+use volgraph_gpu::Gpu;
+use volgraph_measure::timing::{Summary, ratio};
+
+use crate::args::{BenchArgs, SceneArgs};
+use crate::commands::{load, session_options};
+use crate::{clock, output};
+
+pub fn run(args: &BenchArgs, scene_args: &SceneArgs) -> anyhow::Result<ExitCode> {
+    let scene = load(scene_args)?;
+    let options = session_options(scene_args, None);
+    let gpu = Arc::new(Gpu::open(&options.adapter)?);
+    let reads_back = !args.no_read_back;
+    let mut session = Session::start(scene, Arc::clone(&gpu), &options)?;
+    let (_, mut last) = frame(&mut session, reads_back)?;
+    let first_picture_ms = clock::milliseconds();
+    let peak_resident = peak_resident_bytes();
+    // What a budget has chosen is in the session's own scene.
+    let limits = if args.no_limit {
+        None
+    } else {
+        limits(session.scene(), &gpu, &options)
+    };
+    let mut limits = limits.map(Vec::from).unwrap_or_default();
+    let first = session.view().camera;
+    let target = middle(session.plan());
+    let (frames, warm_up) = (args.frames.unwrap_or(9), args.warm_up.unwrap_or(3));
+    let turn = args.turn.unwrap_or(1.0);
+    let mut frame_ms = Vec::new();
+    let mut limit_ms = [Vec::new(), Vec::new()];
+    let mut gpu_ms: Vec<f64> = Vec::new();
+    // The first picture has been the graph's own view.
+    for number in 1..=warm_up + frames {
+        let camera = turned(&first, target, f64::from(number) * turn);
+        session.place_camera(camera);
+        let (ms, report) = frame(&mut session, reads_back)?;
+        for (limit, times) in limits.iter_mut().zip(&mut limit_ms) {
+            limit.place_camera(camera);
+            let (ms, _) = frame(limit, reads_back)?;
+            if number > warm_up {
+                times.push(ms);
+            }
+        }
+        if number > warm_up {
+            frame_ms.push(ms);
+            let times: Vec<f64> = report.nodes.iter().filter_map(|node| node.gpu_ms).collect();
+            if !times.is_empty() {
+                gpu_ms.push(times.iter().sum());
+            }
+        }
+        last = report;
+    }
+    let summary = Summary::of(&frame_ms)?;
+    // Some devices tell no times.
+    let device = Summary::of(&gpu_ms).ok();
+    let limit = Limit::of(&frame_ms, &limit_ms);
+    if args.json {
+        output::print_json(&json!({
+            "adapter": session.adapter(),
+            "size": scene_args.size,
+            "reads_back": reads_back,
+            "frame_ms": { "min": summary.min, "median": summary.median, "max": summary.max, "all": frame_ms },
+            "gpu_ms": device.map(|device| json!({ "min": device.min, "median": device.median, "max": device.max })),
+            "limit": limit.as_ref().map(Limit::to_json),
+            "first_picture_ms": first_picture_ms,
+            "peak_resident_bytes": peak_resident,
+            "device_bytes": device_bytes(&session),
+            "last_frame": last,
+        }));
+        return Ok(ExitCode::SUCCESS);
+    }
+    output::print(&format!(
+        "{} frames of {}x{} on {}: median {:.1} ms, {:.1} to {:.1}{}",
+        summary.n,
+        scene_args.size[0],
+        scene_args.size[1],
+        session.adapter(),
+        summary.median,
+        summary.min,
+        summary.max,
+        device.map_or_else(String::new, |device| format!(
+            "; on the device {:.1} ms",
+            device.median
+        ))
+    ));
+    if let Some(limit) = limit {
+        output::print(&limit.words());
+    }
+    output::print(&format!(
+        "first picture {first_picture_ms:.0} ms after the start; at most {} in the main memory until then, {} on the device",
+        peak_resident.map_or_else(|| "an unknown amount".to_owned(), mib),
+        mib(device_bytes(&session)),
+    ));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Bytes for people.
+pub fn mib(bytes: u64) -> String {
+    format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20))
+}
+
+fn frame(session: &mut Session, reads_back: bool) -> Result<(f64, FrameReport), Findings> {
+    let start = Instant::now();
+    let report = session.draw()?;
+    if reads_back {
+        session.read("color")?;
+    }
+    Ok((start.elapsed().as_secs_f64() * 1e3, report))
+}
+
+/// Sessions of the limit and of the empty frame; none where the picture is of no raycast.
+fn limits(scene: &Scene, gpu: &Arc<Gpu>, options: &SessionOptions) -> Option<[Session; 2]> {
+    let open = |scene: Result<Scene, Findings>| {
+        let mut session = Session::start(scene.ok()?, Arc::clone(gpu), options).ok()?;
+        frame(&mut session, false).ok()?;
+        Some(session)
+    };
+    Some([open(limit_of(scene))?, open(empty_of(scene))?])
+}
+
+/// The limit beside the graph.
+struct Limit {
+    limit: Summary,
+    empty: Summary,
+    ratio: Summary,
+}
+
+impl Limit {
+    fn of(frame_ms: &[f64], [limit, empty]: &[Vec<f64>; 2]) -> Option<Self> {
+        Some(Self {
+            limit: Summary::of(limit).ok()?,
+            empty: Summary::of(empty).ok()?,
+            ratio: ratio(frame_ms, limit).ok()?,
+        })
+    }
+
+    fn to_json(&self) -> Value {
+        json!({ "limit_ms": self.limit, "empty_ms": self.empty, "ratio": self.ratio })
+    }
+
+    fn words(&self) -> String {
+        format!(
+            "{:.2} times the limit, which takes the same samples and adds them up: {:.1} ms, of which {:.1} are an empty frame",
+            self.ratio.median, self.limit.median, self.empty.median
+        )
+    }
+}
