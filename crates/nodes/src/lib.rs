@@ -7,6 +7,7 @@
 pub mod background;
 pub mod brick_ranges;
 pub(crate) mod clip_volume;
+pub(crate) mod composing;
 pub mod difference;
 pub mod distance_map;
 pub mod encoding;
@@ -28,6 +29,7 @@ pub mod raycast;
 pub mod reference;
 pub mod refraction_table;
 pub mod segmentation;
+pub mod slices;
 pub mod source;
 pub mod transfer_table;
 pub mod volume_texture;
@@ -47,6 +49,7 @@ pub fn registry() -> Registry {
         .add_node(background::Background)
         .add_node(proxy_box::ProxyBox)
         .add_node(raycast::Raycast)
+        .add_node(slices::Slices)
         .add_node(brick_ranges::BrickRanges)
         .add_node(distance_map::DistanceMap)
         .add_node(volume_texture::VolumeTexture)
