@@ -116,7 +116,7 @@ impl Pipelines {
             "building `{entries}` of `{}` for node `{node}`",
             program.spec.root
         );
-        let uniforms_as_storage = gpu.uniforms_as_storage() && matches!(pass, Pass::Compute { .. });
+        let uniforms_as_storage = gpu.uniforms_as_storage() && may_crash(pass);
         let module_key = (key.module, key.entries.clone(), uniforms_as_storage);
         let known = self.modules.get(&module_key).cloned();
         // naga, wgpu and the driver recurse over the shader. Error scopes belong to a thread, so they are all in there.
@@ -226,6 +226,16 @@ pub(crate) fn key(plan: &Plan, id: NodeId, pass: &Pass) -> Option<PipelineKey> {
             .collect(),
         drawing: drawing(plan, id, pass),
     })
+}
+
+/// Whether drivers that must not have uniforms (see [`with_uniforms_as_storage`]) have been seen to crash in such a pass:
+/// in draw passes that store everything themselves they have not.
+fn may_crash(pass: &Pass) -> bool {
+    match pass {
+        Pass::Compute { .. } => true,
+        Pass::Draw { targets, .. } => !targets.is_empty(),
+        Pass::Upload { .. } => false,
+    }
 }
 
 fn drawing(plan: &Plan, id: NodeId, pass: &Pass) -> Option<Drawing> {

@@ -36,6 +36,13 @@ pub mod volume_texture;
 
 use volgraph_graph::Registry;
 
+/// Whether nodes of this kind draw a volume with the slots and parameters of a raycast, or some of them: so that the
+/// reference computes what their pictures should be.
+#[must_use]
+pub fn draws_volumes(kind: &str) -> bool {
+    ["raycast", "slices"].contains(&kind)
+}
+
 /// All of volgraph's own kinds.
 #[must_use]
 pub fn registry() -> Registry {

@@ -123,17 +123,6 @@ impl NodeKind for Slices {
             ("slices", "rgba16float") => TextureFormat::Rgba16Float,
             _ => TextureFormat::Rgba32Float,
         };
-        if port == "slices"
-            && format == TextureFormat::Rgba32Float
-            && !node.limits().float32_blendable
-        {
-            return Err(node
-                .error(
-                    "over-limit",
-                    "its `format` is rgba32float, which this device cannot blend (float32-blendable)",
-                )
-                .help("choose `format` rgba16float"));
-        }
         Ok(ResourceDesc::Texture {
             dimensions: 2,
             size: Size::ViewRelative(1.0),
@@ -150,6 +139,15 @@ impl NodeKind for Slices {
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         composing::check(node)?;
+        // Not where outputs are described: plans are made without a device as well.
+        if node.text("format") == "rgba32float" && !node.limits().float32_blendable {
+            return Err(node
+                .error(
+                    "over-limit",
+                    "its `format` is rgba32float, which this device cannot blend (float32-blendable)",
+                )
+                .help("choose `format` rgba16float"));
+        }
         if node.text("clip_method") == "naive" {
             return Err(node
                 .error(

@@ -24,7 +24,7 @@ const METHOD_SLOTS: [&str; 5] = [
 ];
 
 /// Parameters with choices that approximate one picture.
-const METHOD_CHOICES: [&str; 2] = ["volume_storage", "stage"];
+const METHOD_CHOICES: [&str; 4] = ["volume_storage", "stage", "format", "steps_per_pass"];
 
 /// Numbers that do, and the multiples of the default that are compared.
 const METHOD_NUMBERS: [(&str, &[f64]); 2] = [
