@@ -38,9 +38,26 @@ fn slices_plane(index: u32) -> f32 {
     return min(slabs.first + f32(index) * step_world(), slabs.last);
 }
 
+// What fragments need to know of their rays, the same for all of them: fragments are many, and each does little.
 struct SlicesVertex {
     @builtin(position) position: vec4f,
-    @location(0) @interpolate(flat) first: u32,
+    // The depths of the first planes.
+    @location(0) @interpolate(flat) planes: vec4f,
+    @location(1) @interpolate(flat) last_plane: f32,
+    // Texture coordinates of the ray through the picture's corner where it meets the plane through the box's middle, and
+    // their changes per pixel to the right and down.
+    @location(2) @interpolate(flat) place: vec3f,
+    @location(3) @interpolate(flat) place_right: vec3f,
+    @location(4) @interpolate(flat) place_down: vec3f,
+    // Their changes per world unit along the view's axis, likewise.
+    @location(5) @interpolate(flat) slope: vec3f,
+    @location(6) @interpolate(flat) slope_right: vec3f,
+    @location(7) @interpolate(flat) slope_down: vec3f,
+    // How far the ray goes aside on the way, in view space: at the corner, and per pixel.
+    @location(8) @interpolate(flat) aside: vec4f,
+    // The box in texture coordinates.
+    @location(9) @interpolate(flat) box_low: vec3f,
+    @location(10) @interpolate(flat) box_high: vec3f,
 }
 
 // Corner `corner` of six of a box that is cut by a plane across the view at `height` (Rezk-Salama and Kolb 2005). Three
@@ -95,41 +112,78 @@ fn slices_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) in
     let y = larger.y * slabs.half_y;
     let z = larger.z * slabs.half_z;
     let world = volume.centre + slices_corner(corner, x, y, z, middle);
-    return SlicesVertex(frame_clip_from_world(world), first);
+    var out: SlicesVertex;
+    out.position = frame_clip_from_world(world);
+    out.planes = vec4f(front, slices_plane(first + 1u), slices_plane(first + 2u), slices_plane(first + 3u));
+    out.last_plane = back;
+    // World offsets from the view's axis at a depth of 1, or anywhere where rays are parallel.
+    let corner_plane = frame_view_plane(vec2f(0.0)) * lens.half_extent.y;
+    let corner_aside = corner_plane.x * camera.right + corner_plane.y * camera.up;
+    let pixel_size = 2.0 * lens.half_extent.y / lens.size.y;
+    let right = pixel_size * camera.right;
+    let down = -pixel_size * camera.up;
+    let from_anchor = dot(volume.centre - camera.anchor, camera.forward);
+    let is_parallel = lens.is_orthographic != 0u;
+    let spread = select(camera.skipped + from_anchor, 1.0, is_parallel);
+    let axis = camera.anchor + from_anchor * camera.forward;
+    out.place = (volume.texture_from_world * vec4f(axis + spread * corner_aside, 1.0)).xyz;
+    out.place_right = (volume.texture_from_world * vec4f(spread * right, 0.0)).xyz;
+    out.place_down = (volume.texture_from_world * vec4f(spread * down, 0.0)).xyz;
+    let opening = select(1.0, 0.0, is_parallel);
+    out.slope = (volume.texture_from_world * vec4f(camera.forward + opening * corner_aside, 0.0)).xyz;
+    out.slope_right = (volume.texture_from_world * vec4f(opening * right, 0.0)).xyz;
+    out.slope_down = (volume.texture_from_world * vec4f(opening * down, 0.0)).xyz;
+    out.aside = opening * vec4f(corner_plane, pixel_size, -pixel_size);
+    out.box_low = volume.box_low;
+    out.box_high = volume.box_high;
+    return out;
 }
 
 struct SlicesWalk {
+    // Its entry is where it meets the plane through the box's middle.
     ray: Ray,
-    // World distance along the ray from its origin to the plane through the box's middle, and its length between two
-    // planes that are 1 apart.
-    middle: f32,
+    // The ray's length between two planes that are 1 apart.
     per_depth: f32,
+    // Depths where it is in the box.
+    near: f32,
+    far: f32,
     seen: Classified,
     front: Sample,
     start: f32,
 }
 
-fn slices_begin(pixel: vec2f, first: u32) -> SlicesWalk {
+fn slices_begin(fragment: SlicesVertex) -> SlicesWalk {
+    let pixel = fragment.position.xy;
     var walk: SlicesWalk;
-    walk.ray = volume_clip_ray(ray_through(pixel));
-    walk.ray.far = max(walk.ray.far, walk.ray.near);
-    walk.per_depth = 1.0 / dot(walk.ray.direction, camera.forward);
-    walk.middle = dot(volume.centre - walk.ray.origin, camera.forward) * walk.per_depth;
+    let aside = fragment.aside.xy + pixel * fragment.aside.zw;
+    walk.per_depth = sqrt(1.0 + dot(aside, aside));
+    let place = fragment.place + pixel.x * fragment.place_right + pixel.y * fragment.place_down;
+    let given = fragment.slope + pixel.x * fragment.slope_right + pixel.y * fragment.slope_down;
+    // A ray along a face has no crossing with it; a tiny slope keeps the division finite.
+    let slope = select(given, vec3f(1.0e-20), abs(given) < vec3f(1.0e-20));
+    let a = (fragment.box_low - place) / slope;
+    let b = (fragment.box_high - place) / slope;
+    let first = min(a, b);
+    let last = max(a, b);
+    walk.near = max(max(first.x, first.y), first.z);
+    walk.far = max(min(min(last.x, last.y), last.z), walk.near);
+    walk.ray = slab_ray(pixel, walk.per_depth);
+    walk.ray.entry = place;
+    walk.ray.slope = given / walk.per_depth;
     walk.seen = Classified(vec3f(0.0), 1.0);
-    walk.start = slices_distance(walk, first);
+    walk.start = slices_distance(walk, fragment.planes.x);
     walk.front = sample_along(walk.ray, walk.start);
     return walk;
 }
 
-// World distance from the ray's entry into the box to a plane, not beyond the box.
-fn slices_distance(walk: SlicesWalk, index: u32) -> f32 {
-    let distance = walk.middle + slices_plane(index) * walk.per_depth;
-    return clamp(distance, walk.ray.near, walk.ray.far) - walk.ray.near;
+// World distance from the ray's entry to a plane, not beyond the box.
+fn slices_distance(walk: SlicesWalk, plane: f32) -> f32 {
+    return clamp(plane, walk.near, walk.far) * walk.per_depth;
 }
 
 // Adds the slab before a plane.
-fn slices_slab(walk: ptr<function, SlicesWalk>, index: u32) {
-    let end = slices_distance(*walk, index);
+fn slices_slab(walk: ptr<function, SlicesWalk>, plane: f32) {
+    let end = slices_distance(*walk, plane);
     let back = sample_along((*walk).ray, end);
     let length = end - (*walk).start;
     if length > 0.0 {
@@ -145,19 +199,19 @@ fn slices_color(walk: SlicesWalk) -> vec4f {
 }
 
 @fragment
-fn slices_fragment(@builtin(position) position: vec4f, @location(0) @interpolate(flat) first: u32) -> @location(0) vec4f {
-    var walk = slices_begin(position.xy, first);
-    slices_slab(&walk, first + 1u);
+fn slices_fragment(fragment: SlicesVertex) -> @location(0) vec4f {
+    var walk = slices_begin(fragment);
+    slices_slab(&walk, fragment.last_plane);
     return slices_color(walk);
 }
 
 @fragment
-fn slices_fragment_4(@builtin(position) position: vec4f, @location(0) @interpolate(flat) first: u32) -> @location(0) vec4f {
-    var walk = slices_begin(position.xy, first);
-    slices_slab(&walk, first + 1u);
-    slices_slab(&walk, first + 2u);
-    slices_slab(&walk, first + 3u);
-    slices_slab(&walk, first + 4u);
+fn slices_fragment_4(fragment: SlicesVertex) -> @location(0) vec4f {
+    var walk = slices_begin(fragment);
+    slices_slab(&walk, fragment.planes.y);
+    slices_slab(&walk, fragment.planes.z);
+    slices_slab(&walk, fragment.planes.w);
+    slices_slab(&walk, fragment.last_plane);
     return slices_color(walk);
 }
 

@@ -7,6 +7,14 @@
 // Whatever a clip shape is, a slab has an end of parts.
 const SLAB_MAX_PARTS: u32 = 64u;
 
+// The ray through a pixel, as far as anybody asks; its entry, where it meets the plane through the box's middle, and slope
+// are the caller's.
+fn slab_ray(pixel: vec2f, per_depth: f32) -> Ray {
+    var ray = ray_through(pixel);
+    ray.near = dot(volume.centre - ray.origin, camera.forward) * per_depth;
+    return ray;
+}
+
 // What is seen of a slab between two samples along a ray.
 fn slab_classify(ray: Ray, segment: Segment) -> Classified {
     var part = ray_between(ray, segment.start, segment.start + segment.length);
