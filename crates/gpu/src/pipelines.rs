@@ -208,6 +208,9 @@ pub(crate) fn key(plan: &Plan, id: NodeId, pass: &Pass) -> Option<PipelineKey> {
     let (entries, constants) = match pass {
         Pass::Compute {
             entry, constants, ..
+        }
+        | Pass::ComputeIndirect {
+            entry, constants, ..
         } => (vec![*entry], constants),
         Pass::Draw {
             vertex,
@@ -232,7 +235,7 @@ pub(crate) fn key(plan: &Plan, id: NodeId, pass: &Pass) -> Option<PipelineKey> {
 /// in draw passes that store everything themselves they have not.
 fn may_crash(pass: &Pass) -> bool {
     match pass {
-        Pass::Compute { .. } => true,
+        Pass::Compute { .. } | Pass::ComputeIndirect { .. } => true,
         Pass::Draw { targets, .. } => !targets.is_empty(),
         Pass::Upload { .. } => false,
     }

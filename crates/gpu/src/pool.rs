@@ -149,6 +149,7 @@ pub(crate) fn make(device: &Device, resource: ResourceKind, written: Written) ->
             size: bytes.next_multiple_of(4),
             usage: BufferUsages::VERTEX
                 | BufferUsages::STORAGE
+                | BufferUsages::INDIRECT
                 | BufferUsages::COPY_DST
                 | BufferUsages::COPY_SRC,
             mapped_at_creation: false,

@@ -214,7 +214,7 @@ fn check_binding(node: &Node, binding: &Binding, source: &BindingSource) -> Resu
         Some(dim) => (dim, is_read),
         // Buffers and what stays on the CPU have no texture; a shader cannot bind the latter at all.
         None if matches!(binding.kind, BindingKind::StorageBuffer { .. })
-            && ty == PortType::Mesh =>
+            && matches!(ty, PortType::Mesh | PortType::Buffer) =>
         {
             return Ok(());
         }
@@ -288,7 +288,8 @@ fn dimension(ty: PortType) -> Option<TextureDim> {
         | PortType::Transfer
         | PortType::Image
         | PortType::Segments
-        | PortType::Mesh => None,
+        | PortType::Mesh
+        | PortType::Buffer => None,
     }
 }
 

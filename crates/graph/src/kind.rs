@@ -57,6 +57,8 @@ pub enum PortType {
     LightGrid,
     /// A buffer of triangles.
     Mesh,
+    /// A buffer of whatever a node's passes hand on to each other.
+    Buffer,
 }
 
 impl fmt::Display for PortType {
@@ -81,6 +83,7 @@ impl fmt::Display for PortType {
             Self::DistanceMap => "distance_map",
             Self::LightGrid => "light_grid",
             Self::Mesh => "mesh",
+            Self::Buffer => "buffer",
         })
     }
 }

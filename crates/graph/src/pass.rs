@@ -25,6 +25,16 @@ pub enum Pass {
         /// Values of `override` constants.
         constants: Vec<(String, f64)>,
     },
+    /// Runs a compute entry point with as many workgroups as an earlier pass of the node has found out.
+    ComputeIndirect {
+        /// Its name.
+        entry: &'static str,
+        /// Output port: a buffer that starts with the number of workgroups along x, y, z. No binding of the entry point
+        /// may be of the same buffer.
+        workgroups: &'static str,
+        /// Values of `override` constants.
+        constants: Vec<(String, f64)>,
+    },
     /// Draws triangles. The fragment shader writes storage textures, or what it returns goes to the targets.
     Draw {
         /// Vertex entry point.

@@ -20,6 +20,7 @@ pub mod legend;
 pub mod light_volume;
 pub mod lit_preintegration;
 pub mod material_table;
+pub mod multipass_raycast;
 pub mod placement;
 pub mod preintegration;
 pub mod preintegration_3d;
@@ -40,7 +41,7 @@ use volgraph_graph::Registry;
 /// reference computes what their pictures should be.
 #[must_use]
 pub fn draws_volumes(kind: &str) -> bool {
-    ["raycast", "slices"].contains(&kind)
+    ["raycast", "slices", "multipass_raycast"].contains(&kind)
 }
 
 /// All of volgraph's own kinds.
@@ -57,6 +58,7 @@ pub fn registry() -> Registry {
         .add_node(proxy_box::ProxyBox)
         .add_node(raycast::Raycast)
         .add_node(slices::Slices)
+        .add_node(multipass_raycast::MultipassRaycast)
         .add_node(brick_ranges::BrickRanges)
         .add_node(distance_map::DistanceMap)
         .add_node(volume_texture::VolumeTexture)

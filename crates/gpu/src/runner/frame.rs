@@ -265,7 +265,7 @@ impl Runner {
                     let held = installation.output(id, port)?;
                     self.upload(held, &bytes.make()?, name, installation.bytes())?;
                 }
-                Pass::Compute { workgroups, .. } => {
+                Pass::Compute { .. } | Pass::ComputeIndirect { .. } => {
                     let bound =
                         self.bound(installation, id, view, variant, &pass, &mut bound_before)?;
                     if let Some(guard) = &bound.pipeline.guard {
@@ -277,7 +277,20 @@ impl Runner {
                         for (group, bind_group) in &bound.groups {
                             encoder.set_bind_group(*group, bind_group, &[]);
                         }
-                        encoder.dispatch_workgroups(workgroups[0], workgroups[1], workgroups[2]);
+                        match &pass {
+                            Pass::ComputeIndirect { workgroups, .. } => {
+                                let held = installation.output(id, workgroups)?;
+                                let buffer = held
+                                    .buffer()
+                                    .ok_or_else(|| internal(&plan, id, workgroups))?;
+                                encoder.dispatch_workgroups_indirect(buffer, 0);
+                            }
+                            Pass::Compute { workgroups, .. } => {
+                                let [x, y, z] = *workgroups;
+                                encoder.dispatch_workgroups(x, y, z);
+                            }
+                            _ => {}
+                        }
                     }
                 }
                 Pass::Draw { .. } => {
