@@ -51,11 +51,12 @@ pub fn graph_file(name: &str) -> PathBuf {
 }
 
 /// Ready graphs that need no file, by what they show; tests of each group run side by side.
-pub const GROUPS: [(&str, &[&str]); 4] = [
+pub const GROUPS: [(&str, &[&str]); 5] = [
     ("solids", SOLIDS),
     ("volumes", VOLUMES),
     ("parts and projections", PARTS_AND_PROJECTIONS),
     ("comparisons", COMPARISONS),
+    ("renderers", RENDERERS),
 ];
 
 /// Surfaces, and what is within one.
@@ -104,6 +105,9 @@ pub const PARTS_AND_PROJECTIONS: &[&str] = &[
 
 /// Pictures of graphs above, held against another.
 pub const COMPARISONS: &[&str] = &["difference", "error"];
+
+/// Emission and absorption by other renderers than the raycast.
+pub const RENDERERS: &[&str] = &["multipass", "slices"];
 
 #[cfg(test)]
 mod tests {
