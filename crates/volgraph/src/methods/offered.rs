@@ -93,8 +93,11 @@ impl Offered<'_> {
     }
 
     fn uses(&self, slot: &str) -> bool {
+        // A kind may fill a slot itself.
+        let mut slots = self.node.kind().into_iter().flat_map(|kind| kind.slots());
         let program = self.node.program.as_ref();
-        program.is_some_and(|program| program.module.linked.slots_used.contains_key(slot))
+        slots.any(|it| it.name == slot)
+            && program.is_some_and(|program| program.module.linked.slots_used.contains_key(slot))
     }
 
     pub fn is_slot(&self, name: &str) -> bool {
