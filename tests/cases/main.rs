@@ -31,6 +31,7 @@ mod reflections;
 mod refraction;
 mod refraction_behind;
 mod refraction_media;
+mod renderers;
 mod segment_files;
 mod segments;
 mod shader_cases;

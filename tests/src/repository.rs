@@ -57,6 +57,7 @@ pub const GROUPS: [(&str, &[&str]); 5] = [
     ("parts and projections", PARTS_AND_PROJECTIONS),
     ("comparisons", COMPARISONS),
     ("software", SOFTWARE),
+    ("renderers", RENDERERS),
 ];
 
 /// Surfaces, and what is within one.
@@ -108,6 +109,8 @@ pub const COMPARISONS: &[&str] = &["difference", "error"];
 
 /// Drawn on the processor: they have no stages.
 pub const SOFTWARE: &[&str] = &["software"];
+/// Emission and absorption by other renderers than the raycast.
+pub const RENDERERS: &[&str] = &["multipass", "slices"];
 
 #[cfg(test)]
 mod tests {

@@ -39,6 +39,7 @@ impl Gpu {
     pub fn open(choice: &AdapterChoice) -> Result<Self, GpuError> {
         let (summary, adapter, instance) = choose(choice)?;
         let wanted = Features::FLOAT32_FILTERABLE
+            | Features::FLOAT32_BLENDABLE
             | Features::TIMESTAMP_QUERY
             | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
             | Features::TEXTURE_FORMAT_16BIT_NORM;
@@ -130,6 +131,7 @@ impl Gpu {
             max_texture_3d: u64::from(limits.max_texture_dimension_3d),
             max_buffer_bytes: limits.max_buffer_size,
             float32_filterable: features.contains(Features::FLOAT32_FILTERABLE),
+            float32_blendable: features.contains(Features::FLOAT32_BLENDABLE),
             storage_3d: self.summary.backend != "gl",
             ..Limits::default()
         }

@@ -1,19 +1,21 @@
 //! Pipelines by everything that they depend on, built once and kept while an installation uses them.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::time::Instant;
 
-use volgraph_graph::{Digest, Pass, Program};
+use volgraph_graph::{Blend, Digest, Geometry, NodeId, Pass, Plan, Program, ResourceKind};
 use volgraph_report::{Finding, Findings};
 use volgraph_shader::{Binding, GuardRequest, guard, with_room};
 use wgpu::{
-    BindGroupLayout, BindGroupLayoutDescriptor, ColorTargetState, ColorWrites, ComputePipeline,
-    ComputePipelineDescriptor, Face, FragmentState, FrontFace, PipelineCompilationOptions,
-    PipelineLayout, PipelineLayoutDescriptor, PrimitiveState, PrimitiveTopology, RenderPipeline,
-    RenderPipelineDescriptor, ShaderModule, ShaderModuleDescriptor, ShaderSource, ShaderStages,
-    TextureFormat, VertexAttribute, VertexBufferLayout, VertexFormat, VertexState, VertexStepMode,
+    BindGroupLayout, BindGroupLayoutDescriptor, BlendComponent, BlendFactor, BlendOperation,
+    BlendState, ColorTargetState, ColorWrites, CompareFunction, ComputePipeline,
+    ComputePipelineDescriptor, DepthBiasState, DepthStencilState, Face, FragmentState, FrontFace,
+    PipelineCompilationOptions, PipelineLayout, PipelineLayoutDescriptor, PrimitiveState,
+    PrimitiveTopology, RenderPipeline, RenderPipelineDescriptor, ShaderModule,
+    ShaderModuleDescriptor, ShaderSource, ShaderStages, StencilState, TextureFormat,
+    VertexAttribute, VertexBufferLayout, VertexFormat, VertexState, VertexStepMode,
 };
 
 use crate::bindings::{layout_entry, with_uniforms_as_storage};
@@ -23,11 +25,22 @@ use crate::guard::Guard;
 use crate::runner::Building;
 
 /// Everything that makes two pipelines different. `override` values go by their bits.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct PipelineKey {
     module: Digest,
     entries: Vec<&'static str>,
     constants: Vec<(String, u64)>,
+    /// `None` for compute passes.
+    drawing: Option<Drawing>,
+}
+
+/// What makes the pipelines of two draw passes different beside their shaders.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct Drawing {
+    has_mesh: bool,
+    targets: Vec<(TextureFormat, Blend)>,
+    /// Whether depths are compared, and then whether they are written.
+    depth: Option<bool>,
 }
 
 /// A pipeline, its bind group layouts by group, and the bindings that its entry points use.
@@ -64,7 +77,7 @@ struct Built {
 pub(crate) struct Pipelines {
     /// By linked text, entry points, and whether uniforms are read as storage buffers.
     modules: BTreeMap<(Digest, Vec<&'static str>, bool), Built>,
-    built: BTreeMap<PipelineKey, Arc<Pipeline>>,
+    built: HashMap<PipelineKey, Arc<Pipeline>>,
     /// What was built since somebody asked.
     pub(crate) building: Building,
 }
@@ -86,13 +99,15 @@ impl Pipelines {
     pub(crate) fn get(
         &mut self,
         gpu: &Gpu,
-        node: &str,
-        program: &Program,
+        plan: &Plan,
+        id: NodeId,
         pass: &Pass,
     ) -> Result<Option<Arc<Pipeline>>, GpuError> {
-        let Some(key) = key(program, pass) else {
+        let node = &plan.graph.nodes[id];
+        let (Some(program), Some(key)) = (&node.program, key(plan, id, pass)) else {
             return Ok(None);
         };
+        let node = &node.name;
         if let Some(pipeline) = self.built.get(&key) {
             return Ok(Some(Arc::clone(pipeline)));
         }
@@ -101,7 +116,7 @@ impl Pipelines {
             "building `{entries}` of `{}` for node `{node}`",
             program.spec.root
         );
-        let uniforms_as_storage = gpu.uniforms_as_storage() && matches!(pass, Pass::Compute { .. });
+        let uniforms_as_storage = gpu.uniforms_as_storage() && may_crash(pass);
         let module_key = (key.module, key.entries.clone(), uniforms_as_storage);
         let known = self.modules.get(&module_key).cloned();
         // naga, wgpu and the driver recurse over the shader. Error scopes belong to a thread, so they are all in there.
@@ -188,9 +203,13 @@ fn module(
 }
 
 /// The key of a pass's pipeline; `None` for passes that need none.
-pub(crate) fn key(program: &Program, pass: &Pass) -> Option<PipelineKey> {
+pub(crate) fn key(plan: &Plan, id: NodeId, pass: &Pass) -> Option<PipelineKey> {
+    let program = plan.graph.nodes[id].program.as_ref()?;
     let (entries, constants) = match pass {
         Pass::Compute {
+            entry, constants, ..
+        }
+        | Pass::ComputeIndirect {
             entry, constants, ..
         } => (vec![*entry], constants),
         Pass::Draw {
@@ -208,6 +227,41 @@ pub(crate) fn key(program: &Program, pass: &Pass) -> Option<PipelineKey> {
             .iter()
             .map(|(name, value)| (name.clone(), value.to_bits()))
             .collect(),
+        drawing: drawing(plan, id, pass),
+    })
+}
+
+/// Whether drivers that must not have uniforms (see [`with_uniforms_as_storage`]) have been seen to crash in such a pass:
+/// in draw passes that store everything themselves they have not.
+fn may_crash(pass: &Pass) -> bool {
+    match pass {
+        Pass::Compute { .. } | Pass::ComputeIndirect { .. } => true,
+        Pass::Draw { targets, .. } => !targets.is_empty(),
+        Pass::Upload { .. } => false,
+    }
+}
+
+fn drawing(plan: &Plan, id: NodeId, pass: &Pass) -> Option<Drawing> {
+    let Pass::Draw {
+        geometry,
+        targets,
+        depth,
+        ..
+    } = pass
+    else {
+        return None;
+    };
+    // A port that is no texture is told of where it is drawn into.
+    let targets = targets.iter().filter_map(|target| {
+        match plan.resources.get(&(id, target.port.to_owned())) {
+            Some(ResourceKind::Texture { format, .. }) => Some((*format, target.blend)),
+            _ => None,
+        }
+    });
+    Some(Drawing {
+        has_mesh: matches!(geometry, Geometry::Mesh(_)),
+        targets: targets.collect(),
+        depth: depth.map(|depth| depth.is_written),
     })
 }
 
@@ -311,12 +365,11 @@ fn build(
         step_mode: VertexStepMode::Vertex,
         attributes: &attributes,
     };
-    // The pass needs a target of the picture's size; nothing is written to it.
-    let scratch = ColorTargetState {
-        format: SCRATCH_FORMAT,
-        blend: None,
-        write_mask: ColorWrites::empty(),
-    };
+    let meshes = [Some(mesh)];
+    let drawing = key.drawing.as_ref();
+    let has_mesh = drawing.is_none_or(|drawing| drawing.has_mesh);
+    let targets = color_targets(drawing);
+    let depth = drawing.and_then(|drawing| drawing.depth);
     PipelineKind::Render(
         gpu.device
             .create_render_pipeline(&RenderPipelineDescriptor {
@@ -326,26 +379,69 @@ fn build(
                     module,
                     entry_point: Some(vertex),
                     compilation_options: compilation_options.clone(),
-                    buffers: &[Some(mesh)],
+                    buffers: if has_mesh { &meshes } else { &[] },
                 },
                 primitive: PrimitiveState {
                     topology: PrimitiveTopology::TriangleList,
                     front_face: FrontFace::Ccw,
-                    cull_mode: Some(Face::Front),
+                    cull_mode: has_mesh.then_some(Face::Front),
                     ..PrimitiveState::default()
                 },
-                depth_stencil: None,
+                depth_stencil: depth.map(|is_written| DepthStencilState {
+                    format: TextureFormat::Depth32Float,
+                    depth_write_enabled: Some(is_written),
+                    depth_compare: Some(CompareFunction::Less),
+                    stencil: StencilState::default(),
+                    bias: DepthBiasState::default(),
+                }),
                 multisample: wgpu::MultisampleState::default(),
                 fragment: Some(FragmentState {
                     module,
                     entry_point: Some(fragment),
                     compilation_options,
-                    targets: &[Some(scratch)],
+                    targets: &targets,
                 }),
                 multiview_mask: None,
                 cache: None,
             }),
     )
+}
+
+fn color_targets(drawing: Option<&Drawing>) -> Vec<Option<ColorTargetState>> {
+    let given = drawing.map_or(&[][..], |drawing| &drawing.targets);
+    if given.is_empty() && drawing.is_none_or(|drawing| drawing.depth.is_none()) {
+        // The pass needs a target of the picture's size; nothing is written to it.
+        return vec![Some(ColorTargetState {
+            format: SCRATCH_FORMAT,
+            blend: None,
+            write_mask: ColorWrites::empty(),
+        })];
+    }
+    let target = |&(format, blend): &(TextureFormat, Blend)| {
+        Some(ColorTargetState {
+            format,
+            blend: blend_state(blend),
+            write_mask: ColorWrites::ALL,
+        })
+    };
+    given.iter().map(target).collect()
+}
+
+fn blend_state(blend: Blend) -> Option<BlendState> {
+    let (src_factor, dst_factor) = match blend {
+        Blend::Replace => return None,
+        Blend::Under => (BlendFactor::OneMinusDstAlpha, BlendFactor::One),
+        Blend::Over => (BlendFactor::One, BlendFactor::OneMinusSrcAlpha),
+    };
+    let component = BlendComponent {
+        src_factor,
+        dst_factor,
+        operation: BlendOperation::Add,
+    };
+    Some(BlendState {
+        color: component,
+        alpha: component,
+    })
 }
 
 fn layout(gpu: &Gpu, groups: &BTreeMap<u32, (BindGroupLayout, Vec<Binding>)>) -> PipelineLayout {

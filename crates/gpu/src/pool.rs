@@ -10,13 +10,22 @@ use wgpu::{
     TextureDimension, TextureUsages, TextureView,
 };
 
+/// How passes write a resource.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Written {
+    /// Whether shaders write it as a storage texture.
+    pub is_storage: bool,
+    /// Whether draw passes draw into it.
+    pub is_target: bool,
+}
+
 /// A resource on the device; clones share it.
 #[derive(Clone, Debug)]
 pub struct Held {
     /// What it is.
     pub resource: ResourceKind,
-    /// Whether shaders write it as a storage texture. Part of its identity.
-    pub is_storage: bool,
+    /// How it is written. Part of its identity.
+    pub written: Written,
     /// The fingerprint of what it holds: (writer's fingerprint, output port).
     pub content: Option<(Digest, String)>,
     pub(crate) object: Object,
@@ -71,23 +80,23 @@ pub struct PoolReport {
 pub struct Wish {
     /// What it must be.
     pub resource: ResourceKind,
-    /// Whether shaders write it as a storage texture.
-    pub is_storage: bool,
+    /// How it is written.
+    pub written: Written,
     /// What it would best hold already.
     pub contents: BTreeSet<(Digest, String)>,
 }
 
-/// A held resource, as wishes are compared with it: what it is, whether it is a storage texture, what it holds.
-pub type Offer = (ResourceKind, bool, Option<(Digest, String)>);
+/// A held resource, as wishes are compared with it: what it is, how it is written, what it holds.
+pub type Offer = (ResourceKind, Written, Option<(Digest, String)>);
 
 /// Which held resource each wish shares, if any: one of the same kind and use that holds what the wish's only user
 /// would write. Nothing else is shared, so that what is held stays as it is while the plan with the wishes is tried:
 /// a node whose result is there already does not run.
 #[must_use]
 pub fn shared(held: &[Offer], wishes: &[Wish]) -> Vec<Option<usize>> {
-    let fits = |wish: &Wish, (resource, is_storage, content): &Offer| {
+    let fits = |wish: &Wish, (resource, written, content): &Offer| {
         *resource == wish.resource
-            && *is_storage == wish.is_storage
+            && *written == wish.written
             && wish.contents.len() == 1
             && content
                 .as_ref()
@@ -99,7 +108,7 @@ pub fn shared(held: &[Offer], wishes: &[Wish]) -> Vec<Option<usize>> {
         .collect()
 }
 
-pub(crate) fn make(device: &Device, resource: ResourceKind, is_storage: bool) -> Held {
+pub(crate) fn make(device: &Device, resource: ResourceKind, written: Written) -> Held {
     let object = match resource {
         ResourceKind::Texture {
             dimensions,
@@ -108,8 +117,11 @@ pub(crate) fn make(device: &Device, resource: ResourceKind, is_storage: bool) ->
         } => {
             let mut usage =
                 TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST | TextureUsages::COPY_SRC;
-            if is_storage {
+            if written.is_storage {
                 usage |= TextureUsages::STORAGE_BINDING;
+            }
+            if written.is_target {
+                usage |= TextureUsages::RENDER_ATTACHMENT;
             }
             let texture = device.create_texture(&TextureDescriptor {
                 label: None,
@@ -137,6 +149,7 @@ pub(crate) fn make(device: &Device, resource: ResourceKind, is_storage: bool) ->
             size: bytes.next_multiple_of(4),
             usage: BufferUsages::VERTEX
                 | BufferUsages::STORAGE
+                | BufferUsages::INDIRECT
                 | BufferUsages::COPY_DST
                 | BufferUsages::COPY_SRC,
             mapped_at_creation: false,
@@ -144,7 +157,7 @@ pub(crate) fn make(device: &Device, resource: ResourceKind, is_storage: bool) ->
     };
     Held {
         resource,
-        is_storage,
+        written,
         content: None,
         object,
     }
@@ -157,7 +170,7 @@ mod tests {
     fn wish(bytes: u64, content: Option<u8>) -> Wish {
         Wish {
             resource: ResourceKind::Buffer { bytes },
-            is_storage: false,
+            written: Written::default(),
             contents: content
                 .map(|c| ([c; 32], "out".to_owned()))
                 .into_iter()
@@ -167,7 +180,11 @@ mod tests {
 
     fn offer(bytes: u64, is_storage: bool, content: Option<u8>) -> Offer {
         let content = content.map(|content| ([content; 32], "out".to_owned()));
-        (ResourceKind::Buffer { bytes }, is_storage, content)
+        let written = Written {
+            is_storage,
+            is_target: false,
+        };
+        (ResourceKind::Buffer { bytes }, written, content)
     }
 
     #[test]
@@ -199,5 +216,8 @@ mod tests {
     fn other_uses_are_another_resource() {
         let there = [offer(8, true, Some(1))];
         assert_eq!(shared(&there, &[wish(8, Some(1))]), [None]);
+        let mut drawn = wish(8, Some(1));
+        drawn.written.is_target = true;
+        assert_eq!(shared(&[offer(8, false, Some(1))], &[drawn]), [None]);
     }
 }

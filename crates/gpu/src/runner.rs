@@ -7,6 +7,7 @@
 //! succeeded, drops the other, and calls [`Runner::keep`].
 
 mod bind;
+mod draw;
 mod frame;
 mod installation;
 mod report;
@@ -127,14 +128,13 @@ impl Runner {
     ) -> Result<Installation, GpuError> {
         let chosen = before.map_or_else(BTreeMap::new, |before| before.chosen.clone());
         for &id in &plan.order {
-            let node = &plan.graph.nodes[id];
-            let Some(program) = &node.program else {
+            if plan.graph.nodes[id].program.is_none() {
                 continue;
-            };
+            }
             for variant in variants_to_prove(&chosen, &plan, id) {
                 for view in views(&plan, view) {
                     for pass in plan.record(id, &view, variant)? {
-                        self.pipelines.get(&self.gpu, &node.name, program, &pass)?;
+                        self.pipelines.get(&self.gpu, &plan, id, &pass)?;
                     }
                 }
             }
@@ -155,7 +155,7 @@ impl Runner {
                 }
                 None => {
                     let made = self.gpu.allocate(wish.resource, bytes, || {
-                        make(&self.gpu.device, wish.resource, wish.is_storage)
+                        make(&self.gpu.device, wish.resource, wish.written)
                     })?;
                     self.made += 1;
                     made
@@ -180,14 +180,14 @@ impl Runner {
         let plan = &installation.plan;
         let mut used = Vec::new();
         for &id in &plan.order {
-            let Some(program) = &plan.graph.nodes[id].program else {
+            if plan.graph.nodes[id].program.is_none() {
                 continue;
-            };
+            }
             for variant in variants_to_prove(&installation.chosen, plan, id) {
                 for view in views(plan, view) {
                     // It has been recorded in these views before.
                     for pass in plan.record(id, &view, variant).into_iter().flatten() {
-                        used.extend(crate::pipelines::key(program, &pass));
+                        used.extend(crate::pipelines::key(plan, id, &pass));
                     }
                 }
             }
@@ -235,7 +235,7 @@ fn unwritten(
 ) -> Vec<Option<usize>> {
     let offers: Vec<_> = there
         .iter()
-        .map(|held| (held.resource, held.is_storage, held.content.clone()))
+        .map(|held| (held.resource, held.written, held.content.clone()))
         .collect();
     let mut taken = shared(&offers, wishes);
     let contents: Vec<_> = taken

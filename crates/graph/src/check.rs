@@ -95,6 +95,11 @@ pub fn binding_source(node: &Node, binding: &Binding) -> Result<BindingSource, F
             {
                 return Ok(BindingSource::Output(port.to_owned()));
             }
+            let is_own = kind.outputs().iter().any(|port| port.name == name)
+                && matches!(binding.kind, BindingKind::Texture { .. });
+            if is_own && !node.inputs.contains_key(name) {
+                return Ok(BindingSource::Output(name.to_owned()));
+            }
             if kind.inputs().iter().any(|port| port.name == name) {
                 if node.inputs.contains_key(name) {
                     return Ok(BindingSource::Input(name.to_owned()));
@@ -199,7 +204,8 @@ fn check_binding(node: &Node, binding: &Binding, source: &BindingSource) -> Resu
                 .iter()
                 .find(|port| port.name == name)
                 .map(|port| port.ty),
-            false,
+            // What an earlier pass of the node left there.
+            matches!(binding.kind, BindingKind::Texture { .. }),
         ),
         _ => return Ok(()),
     };
@@ -208,7 +214,7 @@ fn check_binding(node: &Node, binding: &Binding, source: &BindingSource) -> Resu
         Some(dim) => (dim, is_read),
         // Buffers and what stays on the CPU have no texture; a shader cannot bind the latter at all.
         None if matches!(binding.kind, BindingKind::StorageBuffer { .. })
-            && ty == PortType::Mesh =>
+            && matches!(ty, PortType::Mesh | PortType::Buffer) =>
         {
             return Ok(());
         }
@@ -284,7 +290,8 @@ fn dimension(ty: PortType) -> Option<TextureDim> {
         | PortType::Transfer
         | PortType::Image
         | PortType::Segments
-        | PortType::Mesh => None,
+        | PortType::Mesh
+        | PortType::Buffer => None,
     }
 }
 

@@ -61,6 +61,8 @@ pub enum PortType {
     LightGrid,
     /// A buffer of triangles.
     Mesh,
+    /// A buffer of whatever a node's passes hand on to each other.
+    Buffer,
 }
 
 impl fmt::Display for PortType {
@@ -87,6 +89,7 @@ impl fmt::Display for PortType {
             Self::StrideMap => "stride_map",
             Self::LightGrid => "light_grid",
             Self::Mesh => "mesh",
+            Self::Buffer => "buffer",
         })
     }
 }
@@ -148,7 +151,8 @@ pub struct InputPort {
 /// An output port.
 #[derive(Clone, Copy, Debug)]
 pub struct OutputPort {
-    /// Its name; a storage binding named `<name>_out` writes it.
+    /// Its name; a storage binding named `<name>_out` writes it, and a texture binding of its own name reads what an
+    /// earlier pass of the node left there.
     pub name: &'static str,
     /// What it gives.
     pub ty: PortType,
@@ -266,6 +270,12 @@ pub trait NodeKind: Send + Sync {
     fn program(&self, node: &NodeContext<'_>) -> Option<ProgramSpec> {
         let _ = node;
         None
+    }
+
+    /// The output ports that its passes draw into (see [`crate::Target`] and [`crate::Depth`]). What only its own passes
+    /// read is an output port as well, which [`Self::written`] names.
+    fn targets(&self) -> &[&'static str] {
+        &[]
     }
 
     /// Whether its passes (not its shader) depend on where the camera stands.

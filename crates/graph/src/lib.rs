@@ -46,7 +46,7 @@ pub use kind::{
 };
 pub use limits::Limits;
 pub use node_context::NodeContext;
-pub use pass::{Mesh, Pass, UploadBytes};
+pub use pass::{Blend, Depth, Geometry, Mesh, Pass, Target, UploadBytes};
 pub use plan::{Allocation, Plan, PlanRequest};
 pub use planned::{PlannedBinding, PlannedNode, PlannedResource};
 pub use quality::{Budget, QualityDesc};

@@ -31,6 +31,13 @@ pub enum ResourceDesc {
         /// Bytes.
         bytes: u64,
     },
+    /// A buffer with so many bytes for each pixel of the picture, and some before them.
+    ViewBuffer {
+        /// Bytes before those of pixels.
+        head: u64,
+        /// Bytes of a pixel.
+        per_pixel: u64,
+    },
 }
 
 /// A resource with all sizes known: what the pools compare. Equal kinds may share memory.

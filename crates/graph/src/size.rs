@@ -58,6 +58,9 @@ fn resource(
 ) -> Result<ResourceKind, Finding> {
     Ok(match *desc {
         ResourceDesc::Buffer { bytes } => ResourceKind::Buffer { bytes },
+        ResourceDesc::ViewBuffer { head, per_pixel } => ResourceKind::Buffer {
+            bytes: head + per_pixel * u64::from(view[0]) * u64::from(view[1]),
+        },
         ResourceDesc::Texture {
             dimensions,
             size,

@@ -7,8 +7,8 @@
 use std::collections::BTreeMap;
 
 use volgraph_graph::{
-    Demand, InputPort, Mesh, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec,
-    Requirement, ResourceDesc, Size, Uniform,
+    Demand, Geometry, InputPort, Mesh, NodeContext, NodeKind, OutputPort, Pass, PortType,
+    ProgramSpec, Requirement, ResourceDesc, Size, Uniform,
 };
 use volgraph_report::Finding;
 use volgraph_shader::{ParamSpec, UniformValue};
@@ -148,10 +148,12 @@ impl NodeKind for FetchOnly {
             _ => passes.push(Pass::Draw {
                 vertex: "fetch_only_vertex",
                 fragment: "fetch_only_fragment",
-                mesh: Mesh {
+                geometry: Geometry::Mesh(Mesh {
                     port: "rays",
                     vertices: proxy_box::VERTICES,
-                },
+                }),
+                targets: Vec::new(),
+                depth: None,
                 constants: Vec::new(),
             }),
         }

@@ -8,6 +8,7 @@ pub mod background;
 pub mod brick_details;
 pub mod brick_ranges;
 pub(crate) mod clip_volume;
+pub(crate) mod composing;
 pub mod difference;
 pub mod distance_map;
 pub mod encoding;
@@ -21,6 +22,7 @@ pub mod legend;
 pub mod light_volume;
 pub mod lit_preintegration;
 pub mod material_table;
+pub mod multipass_raycast;
 pub mod placement;
 pub mod preintegration;
 pub mod preintegration_3d;
@@ -30,6 +32,7 @@ pub mod raycast;
 pub mod reference;
 pub mod refraction_table;
 pub mod segmentation;
+pub mod slices;
 pub mod software_raycast;
 pub mod source;
 pub mod stride_map;
@@ -37,6 +40,13 @@ pub mod transfer_table;
 pub mod volume_texture;
 
 use volgraph_graph::Registry;
+
+/// Whether nodes of this kind draw a volume with the slots and parameters of a raycast, or some of them: so that the
+/// reference computes what their pictures should be.
+#[must_use]
+pub fn draws_volumes(kind: &str) -> bool {
+    ["raycast", "slices", "multipass_raycast"].contains(&kind)
+}
 
 /// All of volgraph's own kinds.
 #[must_use]
@@ -52,6 +62,8 @@ pub fn registry() -> Registry {
         .add_node(proxy_box::ProxyBox)
         .add_node(raycast::Raycast)
         .add_node(fetch_only::FetchOnly)
+        .add_node(slices::Slices)
+        .add_node(multipass_raycast::MultipassRaycast)
         .add_node(brick_ranges::BrickRanges)
         .add_node(distance_map::DistanceMap)
         .add_node(brick_details::BrickDetails)

@@ -7,8 +7,8 @@ mod walk;
 use std::collections::{BTreeMap, BTreeSet};
 
 use volgraph_graph::{
-    DerivedSlot, Inherited, InputPort, Mesh, NodeContext, NodeKind, OutputPort, ParamRow, Pass,
-    ProgramSpec, ResourceDesc, Size, SlotSpec, Uniform,
+    DerivedSlot, Geometry, Inherited, InputPort, Mesh, NodeContext, NodeKind, OutputPort, ParamRow,
+    Pass, ProgramSpec, ResourceDesc, Size, SlotSpec, Uniform,
 };
 use volgraph_report::Finding;
 use volgraph_shader::{ParamSpec, ParamValue, UniformValue};
@@ -285,10 +285,12 @@ impl NodeKind for Raycast {
             _ => passes.push(Pass::Draw {
                 vertex: "raycast_vertex",
                 fragment: "raycast_fragment",
-                mesh: Mesh {
+                geometry: Geometry::Mesh(Mesh {
                     port: "rays",
                     vertices: proxy_box::VERTICES,
-                },
+                }),
+                targets: Vec::new(),
+                depth: None,
                 constants: Vec::new(),
             }),
         }

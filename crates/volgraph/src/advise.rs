@@ -113,7 +113,7 @@ impl Advice {
             .order
             .iter()
             .map(|id| plan.context(*id, &view, None))
-            .rfind(|node| node.kind_name() == "raycast")
+            .rfind(|node| volgraph_nodes::draws_volumes(&node.kind_name()))
             .ok_or_else(|| {
                 Finding::error("no-raycast", "the graph has no raycast that is drawn")
                     .help("name a graph whose output `color` comes from a raycast")

@@ -17,10 +17,13 @@ use crate::error::GpuError;
 use crate::pipelines::Pipeline;
 
 /// A pipeline and its bind groups by group.
-pub(super) type Bound = (Arc<Pipeline>, Vec<(u32, BindGroup)>);
+pub(super) struct Bound {
+    pub pipeline: Arc<Pipeline>,
+    pub groups: Vec<(u32, BindGroup)>,
+}
 
 impl Runner {
-    /// The pipeline of a pass and its bind groups.
+    /// The pipeline of a pass and its bind groups; `bound` are those of the node's passes before.
     pub(super) fn bound(
         &mut self,
         installation: &Installation,
@@ -28,17 +31,21 @@ impl Runner {
         view: &View,
         variant: Option<&str>,
         pass: &Pass,
-    ) -> Result<Bound, GpuError> {
+        bound: &mut Vec<Arc<Bound>>,
+    ) -> Result<Arc<Bound>, GpuError> {
         let plan = installation.plan.as_ref();
         let node = &plan.graph.nodes[id];
-        let program = node
-            .program
-            .as_ref()
-            .ok_or_else(|| internal(plan, id, "program"))?;
         let pipeline = self
             .pipelines
-            .get(&self.gpu, &node.name, program, pass)?
+            .get(&self.gpu, plan, id, pass)?
             .ok_or_else(|| internal(plan, id, "pipeline"))?;
+        // Bindings go by their names, so a pipeline's are the same in all of a node's passes.
+        if let Some(same) = bound
+            .iter()
+            .find(|bound| Arc::ptr_eq(&bound.pipeline, &pipeline))
+        {
+            return Ok(Arc::clone(same));
+        }
         let mut groups = Vec::new();
         for (group, (layout, bindings)) in &pipeline.groups {
             let mut uniforms: BTreeMap<u32, Buffer> = BTreeMap::new();
@@ -72,7 +79,9 @@ impl Runner {
             })?;
             groups.push((*group, bind_group));
         }
-        Ok((pipeline, groups))
+        let new = Arc::new(Bound { pipeline, groups });
+        bound.push(Arc::clone(&new));
+        Ok(new)
     }
 
     fn resource<'a>(

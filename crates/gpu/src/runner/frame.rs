@@ -6,17 +6,13 @@ use std::time::Instant;
 
 use volgraph_graph::{Digest, NodeId, Pass, Plan, View};
 use volgraph_report::{Finding, Findings};
-use wgpu::{
-    Color, CommandEncoder, CommandEncoderDescriptor, Extent3d, LoadOp, Operations,
-    RenderPassColorAttachment, RenderPassDescriptor, StoreOp, TextureDescriptor, TextureDimension,
-    TextureUsages, TextureView,
-};
+use wgpu::{CommandEncoder, CommandEncoderDescriptor};
 
 use super::schedule::must_run;
 use super::{Chosen, FrameReport, Installation, NodeReport, Runner, variant_key};
 use crate::error::GpuError;
 use crate::guard::{Found, Watched};
-use crate::pipelines::{PipelineKind, SCRATCH_FORMAT};
+use crate::pipelines::PipelineKind;
 use crate::timing::Timer;
 
 /// The side of the view on which variants are measured.
@@ -260,6 +256,7 @@ impl Runner {
     ) -> Result<(), GpuError> {
         let plan = Arc::clone(&installation.plan);
         let name = &plan.graph.nodes[id].name;
+        let mut bound_before = Vec::new();
         for pass in plan.record(id, view, variant)? {
             match &pass {
                 Pass::Upload { port, bytes } => {
@@ -268,93 +265,52 @@ impl Runner {
                     let held = installation.output(id, port)?;
                     self.upload(held, &bytes.make()?, name, installation.bytes())?;
                 }
-                Pass::Compute { workgroups, .. } => {
-                    let (pipeline, groups) = self.bound(installation, id, view, variant, &pass)?;
-                    if let Some(guard) = &pipeline.guard {
+                Pass::Compute { .. } | Pass::ComputeIndirect { .. } => {
+                    let bound =
+                        self.bound(installation, id, view, variant, &pass, &mut bound_before)?;
+                    if let Some(guard) = &bound.pipeline.guard {
                         recording.watched.note(guard, id, &mut recording.encoder);
                     }
-                    if let PipelineKind::Compute(compute) = &pipeline.kind {
+                    if let PipelineKind::Compute(compute) = &bound.pipeline.kind {
                         let mut encoder = recording.encoder.begin_compute_pass(&Default::default());
                         encoder.set_pipeline(compute);
-                        for (group, bind_group) in &groups {
+                        for (group, bind_group) in &bound.groups {
                             encoder.set_bind_group(*group, bind_group, &[]);
                         }
-                        encoder.dispatch_workgroups(workgroups[0], workgroups[1], workgroups[2]);
+                        match &pass {
+                            Pass::ComputeIndirect { workgroups, .. } => {
+                                let held = installation.output(id, workgroups)?;
+                                let buffer = held
+                                    .buffer()
+                                    .ok_or_else(|| internal(&plan, id, workgroups))?;
+                                encoder.dispatch_workgroups_indirect(buffer, 0);
+                            }
+                            Pass::Compute { workgroups, .. } => {
+                                let [x, y, z] = *workgroups;
+                                encoder.dispatch_workgroups(x, y, z);
+                            }
+                            _ => {}
+                        }
                     }
                 }
-                Pass::Draw { mesh, .. } => {
-                    let (pipeline, groups) = self.bound(installation, id, view, variant, &pass)?;
-                    if let Some(guard) = &pipeline.guard {
+                Pass::Draw { .. } => {
+                    let bound =
+                        self.bound(installation, id, view, variant, &pass, &mut bound_before)?;
+                    if let Some(guard) = &bound.pipeline.guard {
                         recording.watched.note(guard, id, &mut recording.encoder);
                     }
-                    let scratch = self.scratch(installation, view.size)?;
-                    let vertices = installation.input(id, mesh.port)?.buffer();
-                    let attachment = RenderPassColorAttachment {
-                        view: &scratch,
-                        depth_slice: None,
-                        resolve_target: None,
-                        ops: Operations {
-                            load: LoadOp::Clear(Color::BLACK),
-                            store: StoreOp::Discard,
-                        },
-                    };
-                    let mut encoder = recording.encoder.begin_render_pass(&RenderPassDescriptor {
-                        label: Some(name),
-                        color_attachments: &[Some(attachment)],
-                        ..Default::default()
-                    });
-                    if let (PipelineKind::Render(render), Some(buffer)) = (&pipeline.kind, vertices)
-                    {
-                        encoder.set_pipeline(render);
-                        for (group, bind_group) in &groups {
-                            encoder.set_bind_group(*group, bind_group, &[]);
-                        }
-                        encoder.set_vertex_buffer(0, buffer.slice(..));
-                        encoder.draw(0..mesh.vertices, 0..1);
-                    }
+                    self.draw(
+                        installation,
+                        id,
+                        view,
+                        &pass,
+                        &bound,
+                        &mut recording.encoder,
+                    )?;
                 }
             }
         }
         Ok(())
-    }
-
-    /// The target of draw passes, made anew when the view has another size.
-    fn scratch(
-        &self,
-        installation: &mut Installation,
-        [width, height]: [u32; 2],
-    ) -> Result<TextureView, GpuError> {
-        let size = Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
-        };
-        let texture = match installation
-            .scratch
-            .clone()
-            .filter(|texture| texture.size() == size)
-        {
-            Some(texture) => texture,
-            None => self.gpu.scoped(
-                "making the target of draw passes",
-                installation.bytes(),
-                || {
-                    self.gpu.device.create_texture(&TextureDescriptor {
-                        label: Some("scratch"),
-                        size,
-                        mip_level_count: 1,
-                        sample_count: 1,
-                        dimension: TextureDimension::D2,
-                        format: SCRATCH_FORMAT,
-                        usage: TextureUsages::RENDER_ATTACHMENT,
-                        view_formats: &[],
-                    })
-                },
-            )?,
-        };
-        let view = texture.create_view(&Default::default());
-        installation.scratch = Some(texture);
-        Ok(view)
     }
 }
 

@@ -11,7 +11,7 @@ use super::frame::internal;
 use super::{Chosen, Runner};
 use crate::error::GpuError;
 use crate::guard::Found;
-use crate::pool::{Held, PoolReport, Wish};
+use crate::pool::{Held, PoolReport, Wish, Written};
 use crate::readback::{Texels, read_texture};
 
 /// A plan that was proven on a device, and the memory that it runs in.
@@ -154,17 +154,21 @@ pub(super) fn wishes(plan: &Plan, fingerprints: &BTreeMap<NodeId, Digest>) -> Ve
         .iter()
         .map(|allocation| Wish {
             resource: allocation.resource,
-            is_storage: false,
+            written: Written::default(),
             contents: BTreeSet::new(),
         })
         .collect();
     for ((id, port), allocation) in &plan.allocation_of {
         let wish = &mut wishes[*allocation];
         let binding = format!("{port}_out");
-        wish.is_storage |= plan.graph.nodes[*id]
+        let node = &plan.graph.nodes[*id];
+        wish.written.is_storage |= node
             .program
             .as_ref()
             .is_some_and(|program| program.uses(&binding));
+        wish.written.is_target |= node
+            .kind()
+            .is_some_and(|kind| kind.targets().contains(&port.as_str()));
         wish.contents.insert((fingerprints[id], port.clone()));
     }
     wishes

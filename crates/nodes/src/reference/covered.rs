@@ -5,6 +5,18 @@ use volgraph_report::Finding;
 
 use crate::raycast::Raycast;
 
+/// The choice of a slot: of a renderer that has no such slot, what a raycast does by default.
+pub(super) fn choice_of<'g>(node: &NodeContext<'g>, name: &str) -> &'g str {
+    match node.slot(name) {
+        "" => {
+            let slots = Raycast.slots().iter();
+            let mut own = slots.filter(|slot| slot.name == name);
+            own.next().map_or("", |slot| slot.default)
+        }
+        choice => choice,
+    }
+}
+
 /// Choices that are computed, or that all approximate what is computed, slot by slot.
 const COVERED: &[(&str, &[&str])] = &[
     (
@@ -72,9 +84,9 @@ pub(super) fn is_projection(technique: &str) -> bool {
 
 /// Whether a technique reads a slot, given the choices of others.
 fn is_read(node: &NodeContext<'_>, slot: &str) -> bool {
-    let technique = node.slot("technique");
+    let technique = choice_of(node, "technique");
     let has_surfaces = technique.starts_with("isosurface");
-    let is_lit = !is_projection(technique) && node.slot("light") != "unlit";
+    let is_lit = !is_projection(technique) && choice_of(node, "light") != "unlit";
     match slot {
         "tone" => is_projection(technique) && technique != "xray",
         "classify" => matches!(technique, "dvr" | "isosurface_dvr"),
@@ -82,7 +94,7 @@ fn is_read(node: &NodeContext<'_>, slot: &str) -> bool {
         "material" | "shadow" => is_lit,
         "gradient" => is_lit || has_surfaces,
         "gradient_method" | "gradient_storage" => {
-            (is_lit || has_surfaces) && node.slot("gradient") == "stored"
+            (is_lit || has_surfaces) && choice_of(node, "gradient") == "stored"
         }
         "environment" => is_lit && has_surfaces,
         _ => true,
@@ -92,7 +104,7 @@ fn is_read(node: &NodeContext<'_>, slot: &str) -> bool {
 /// Refuses choices that the reference does not know, and slots that it has never heard of unless they are left alone.
 pub(super) fn check(node: &NodeContext<'_>) -> Result<(), Finding> {
     for slot in Raycast.slots() {
-        let choice = node.slot(slot.name);
+        let choice = choice_of(node, slot.name);
         let known = COVERED.iter().find(|(name, _)| *name == slot.name);
         let alone = [slot.default];
         let choices = known.map_or(&alone[..], |(_, choices)| *choices);
@@ -106,10 +118,10 @@ pub(super) fn check(node: &NodeContext<'_>) -> Result<(), Finding> {
         )));
     }
     // Inside of a volume each point of a ray would have a ray of its own, and light jumps along it.
-    let (technique, shadow) = (node.slot("technique"), node.slot("shadow"));
+    let (technique, shadow) = (choice_of(node, "technique"), choice_of(node, "shadow"));
     let is_one_solid = technique == "isosurface";
     if is_read(node, "shadow")
-        && !(shadow == "none" || (is_one_solid && node.slot("reconstruct") == "trilinear"))
+        && !(shadow == "none" || (is_one_solid && choice_of(node, "reconstruct") == "trilinear"))
     {
         let what = format!("the shadow `{shadow}` with this technique or reconstruction");
         return Err(refusal(node, &what)

@@ -6,6 +6,7 @@ use volgraph_optics::{Material, TransferFunction};
 use volgraph_reference::{Lamp, Layer, Look, Materials, Matter, Place, Tone, Window};
 use volgraph_report::Finding;
 
+use super::covered::choice_of;
 use super::space::Space;
 use super::values::Values;
 use crate::{placement, raycast, segmentation, transfer_table};
@@ -26,21 +27,22 @@ pub(super) fn look(values: &Values<'_>, transfer: usize) -> Result<Look, Finding
             specular: values.float("specular"),
             shininess: values.float("shininess"),
         },
-        by_transfer: node.slot("material") != "uniform",
+        by_transfer: choice_of(node, "material") != "uniform",
     };
-    let technique = node.slot("technique");
-    let is_lit = node.slot("light") != "unlit";
+    let technique = choice_of(node, "technique");
+    let is_lit = choice_of(node, "light") != "unlit";
     let has_matter = matches!(technique, "dvr" | "isosurface_dvr")
         || (is_lit && materials.by_transfer)
-        || (technique == "isosurface" && is_lit && node.slot("shadow") == "transmittance")
-        || (matches!(technique, "mip" | "minip" | "average") && node.slot("tone") == "transfer");
+        || (technique == "isosurface" && is_lit && choice_of(node, "shadow") == "transmittance")
+        || (matches!(technique, "mip" | "minip" | "average")
+            && choice_of(node, "tone") == "transfer");
     let matter = if has_matter {
         let transfer = transfer_of(node, transfer)?;
         Some(matter(node, &transfer, &materials)?)
     } else {
         None
     };
-    let tone = if node.slot("tone") == "transfer" {
+    let tone = if choice_of(node, "tone") == "transfer" {
         Tone::Matter
     } else {
         Tone::Window(window(values)?, values.vector("window_color"))
@@ -129,7 +131,7 @@ fn layers(values: &Values<'_>) -> Result<Vec<Layer>, Finding> {
             opacity,
         }])
     };
-    match values.node.slot("technique") {
+    match choice_of(&values.node, "technique") {
         "isosurface" => one(1.0),
         "isosurface_dvr" => one(values.float("surface_opacity")),
         "isosurfaces_translucent" => (1..=values.uint("surfaces").min(MAX_LAYERS))

@@ -1,22 +1,20 @@
-//! From a `raycast` node to the scene that the reference computes.
+//! From a `raycast` node, or another renderer, to the scene that the reference computes.
 //!
 //! Slots that only choose how an integral is taken (`classify`, `traverse`) do not matter here: all of them approximate
 //! one picture. What the reference has no closed form for is refused by name (`not-covered`), never left out.
 
-use volgraph_graph::{NodeContext, View};
+use volgraph_graph::{NodeContext, NodeKind, View};
 use volgraph_reference::{Field, Gradients, Kernel, Rays, Scene, Shadow, Technique};
 use volgraph_report::Finding;
 
 use super::behind::behind;
-use super::covered::{self, refusal};
+use super::covered::{self, choice_of, refusal};
 use super::labels::{Row, labels};
 use super::looks::{look, window};
 use super::space::{clip, half_side};
 use super::values::Values;
 use crate::placement;
-use crate::raycast::Raycast;
 use crate::software_raycast::{self, SoftwareRaycast};
-use volgraph_graph::NodeKind;
 
 /// The rays of a view.
 #[must_use]
@@ -33,7 +31,7 @@ pub fn rays(view: &View) -> Rays {
     }
 }
 
-/// The scene of a `raycast` node, or of a `software_raycast`, in a view.
+/// The scene of a `raycast` node in a view, or of another renderer (see [`crate::draws_volumes`]).
 ///
 /// # Errors
 /// `not-covered` where the reference does not know how to compute it; `missing-input`.
@@ -41,7 +39,7 @@ pub fn raycast_scene(node: &NodeContext<'_>, view: &View) -> Result<Scene, Findi
     if node.kind_name() == SoftwareRaycast::default().name() {
         return software_raycast::scene(node, view);
     }
-    if node.kind_name() != Raycast.name() {
+    if !crate::draws_volumes(&node.kind_name()) {
         let message = format!(
             "the reference computes the pictures of raycasts, and this is a `{}`",
             node.kind_name()
@@ -78,7 +76,7 @@ pub fn raycast_scene(node: &NodeContext<'_>, view: &View) -> Result<Scene, Findi
 }
 
 fn kernel(node: &NodeContext<'_>) -> Result<Kernel, Finding> {
-    Ok(match node.slot("reconstruct") {
+    Ok(match choice_of(node, "reconstruct") {
         "nearest" => Kernel::Nearest,
         "trilinear" => Kernel::Linear,
         "tricubic" => Kernel::Bspline,
@@ -88,7 +86,10 @@ fn kernel(node: &NodeContext<'_>) -> Result<Kernel, Finding> {
 }
 
 fn gradients(node: &NodeContext<'_>) -> Gradients {
-    match (node.slot("gradient"), node.slot("gradient_method")) {
+    match (
+        choice_of(node, "gradient"),
+        choice_of(node, "gradient_method"),
+    ) {
         ("central", _) => Gradients::Central,
         ("analytic", _) => Gradients::Trilinear,
         ("tricubic", _) => Gradients::Bspline,
@@ -100,8 +101,8 @@ fn gradients(node: &NodeContext<'_>) -> Gradients {
 }
 
 fn shadow(node: &NodeContext<'_>) -> Shadow {
-    match node.slot("shadow") {
-        _ if node.slot("light") == "unlit" => Shadow::None,
+    match choice_of(node, "shadow") {
+        _ if choice_of(node, "light") == "unlit" => Shadow::None,
         "surface" => Shadow::Solid,
         "transmittance" => Shadow::Matter,
         _ => Shadow::None,
@@ -110,7 +111,7 @@ fn shadow(node: &NodeContext<'_>) -> Shadow {
 
 fn technique(own: &Values<'_>, rows: &[Row<'_>]) -> Result<Technique, Finding> {
     let node = &own.node;
-    Ok(match node.slot("technique") {
+    Ok(match choice_of(node, "technique") {
         "dvr" => Technique::VolumeRendering,
         "mip" => Technique::Maximum,
         "minip" => Technique::Minimum,
@@ -132,7 +133,7 @@ fn technique(own: &Values<'_>, rows: &[Row<'_>]) -> Result<Technique, Finding> {
         }
         "isosurface" | "isosurface_dvr" => Technique::Surfaces {
             has_faces: own.text("cut_faces") == "drawn",
-            with_matter: node.slot("technique") == "isosurface_dvr",
+            with_matter: choice_of(node, "technique") == "isosurface_dvr",
         },
         "isosurfaces_translucent" => Technique::Surfaces {
             has_faces: false,

@@ -5,7 +5,7 @@ use volgraph_reference::{Clip, Field, Shape};
 use volgraph_report::Finding;
 use volgraph_volume::Grid;
 
-use super::covered::refusal;
+use super::covered::{choice_of, refusal};
 use super::looks::scalar;
 use super::values::Values;
 use crate::placement;
@@ -49,7 +49,7 @@ pub(super) fn half_side(grid: &Grid) -> f64 {
 /// What a node clips away. The method `naive` is a way to do it wrong: its truth is the accurate cut.
 pub(super) fn clip(values: &Values<'_>) -> Result<Option<Clip>, Finding> {
     let node = &values.node;
-    let shape = match node.slot("clip") {
+    let shape = match choice_of(node, "clip") {
         "none" | "" => return Ok(None),
         "planes" => planes(values)?,
         "box" => box_planes(values)?,

@@ -24,7 +24,7 @@ const METHOD_SLOTS: [&str; 5] = [
 ];
 
 /// Parameters with choices that approximate one picture.
-const METHOD_CHOICES: [&str; 2] = ["volume_storage", "stage"];
+const METHOD_CHOICES: [&str; 4] = ["volume_storage", "stage", "format", "steps_per_pass"];
 
 /// Numbers that do, and the multiples of the default that are compared.
 const METHOD_NUMBERS: [(&str, &[f64]); 2] = [
@@ -93,8 +93,11 @@ impl Offered<'_> {
     }
 
     fn uses(&self, slot: &str) -> bool {
+        // A kind may fill a slot itself.
+        let mut slots = self.node.kind().into_iter().flat_map(|kind| kind.slots());
         let program = self.node.program.as_ref();
-        program.is_some_and(|program| program.module.linked.slots_used.contains_key(slot))
+        slots.any(|it| it.name == slot)
+            && program.is_some_and(|program| program.module.linked.slots_used.contains_key(slot))
     }
 
     pub fn is_slot(&self, name: &str) -> bool {

@@ -1,7 +1,6 @@
 //! What a raycast offers: an axis for each setting that approximates the same picture, with all of its values.
 
-use volgraph_graph::{NodeId, NodeKind, Plan, Registry};
-use volgraph_nodes::raycast::Raycast;
+use volgraph_graph::{NodeId, Plan, Registry};
 use volgraph_report::{Finding, Findings};
 use volgraph_shader::{ParamValue, ShaderRoots};
 
@@ -43,7 +42,7 @@ pub fn raycast_node(plan: &Plan) -> Result<NodeId, Finding> {
         )
     })?;
     let node = &plan.graph.nodes[output.node];
-    if node.kind_name() != Raycast.name() {
+    if !volgraph_nodes::draws_volumes(&node.kind_name()) {
         let message = format!(
             "methods are those of a raycast, and the output `color` is of `{}`, a `{}`",
             node.name,

@@ -1,6 +1,7 @@
 //! The graph whose orders are measured.
 
 use volgraph_graph::{Node, NodeId, Plan, View};
+use volgraph_nodes::draws_volumes;
 use volgraph_reference::Progress;
 use volgraph_report::{Finding, Findings};
 
@@ -26,7 +27,7 @@ pub struct Target {
 #[must_use]
 pub fn slot_settings(scene: &Scene, slots: &[(String, String)]) -> Vec<ParamOverride> {
     let nodes = scene.desc.nodes.iter();
-    let raycasts = nodes.filter(|(_, node)| node.kind == "raycast");
+    let raycasts = nodes.filter(|(_, node)| draws_volumes(&node.kind));
     raycasts
         .flat_map(|(name, _)| {
             slots.iter().filter_map(move |(slot, choice)| {
@@ -57,7 +58,14 @@ pub fn integral_truth(
     let known = [("classify", "post"), ("traverse", "uniform")];
     let known = known.map(|(slot, choice)| (slot.to_owned(), choice.to_owned()));
     let mut overrides = scene.overrides.clone();
-    overrides.params.extend(slot_settings(scene, &known));
+    // Renderers of one way to walk have no slot `traverse`.
+    let has_slot = |setting: &ParamOverride| {
+        let node = scene.desc.nodes.get(&setting.target);
+        let kind = node.and_then(|node| scene.registry.node(&node.kind));
+        kind.is_some_and(|kind| kind.slots().iter().any(|slot| slot.name == setting.name))
+    };
+    let known = slot_settings(scene, &known).into_iter().filter(has_slot);
+    overrides.params.extend(known);
     overrides.params.extend(settings.iter().cloned());
     let scene = scene.with_overrides(&overrides, &NoProgress)?;
     let plan = plan_without_device(&scene, view.size)?;
@@ -79,7 +87,7 @@ impl Target {
             .order
             .iter()
             .map(|id| &plan.graph.nodes[*id])
-            .filter(|node| node.kind_name() == "raycast" && has(node, "step"))
+            .filter(|node| draws_volumes(&node.kind_name()) && has(node, "step"))
             .collect();
         let Some(last) = raycasts.last() else {
             return Err(Finding::error(
