@@ -5,8 +5,6 @@
 
 // Whatever bricks say, a look comes to its end.
 const BRICK_LEAP_TURNS: u32 = 8192u;
-// So many segments are walked at least between two looks, whatever is there: a look costs as much as some of them. Even.
-const BRICK_LEAP_LEAST: u32 = 8u;
 
 // The place of a segment's start, counted in bricks.
 fn brick_leap_place(ray: Ray, index: u32) -> vec3f {
@@ -24,8 +22,9 @@ fn brick_leap_through(ray: Ray, index: u32, place: vec3f, low: vec3i, high: vec3
     return max(u32(end / step_world()), index);
 }
 
-// To go on at a segment from `index` on, and to walk to `end` and the segment there.
-fn brick_leap_to(index: u32, at: u32, end: u32) -> Leap {
+// To go on at a segment from `index` on, and to walk to `end` and the segment there, but no less than so many: an even
+// number, since a look costs as much as some segments.
+fn brick_leap_to(index: u32, at: u32, end: u32, least: u32) -> Leap {
     let first = max(index, at & ~1u);
-    return Leap(first, max((end - first) | 1u, BRICK_LEAP_LEAST - 1u) + 1u, 1u);
+    return Leap(first, max((end - first) | 1u, least - 1u) + 1u, 1u);
 }

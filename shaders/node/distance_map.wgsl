@@ -4,6 +4,9 @@
 // A number has two halves of 12 bits, so that one texture of floats does: a pass reads one half of all numbers, and
 // writes the other half of its own. The result is in the upper half: 1 in its first bit for a brick that may be seen,
 // the distance in the others.
+//
+// All of it is done twice. Of bricks that are not seen, only those count in the end that are part of a cube of three that are
+// not (an opening): leaps over less gain nothing, and looks for them cost the rays that go by.
 #import "lib/brick_ranges.wgsl"
 #import "lib/bricks.wgsl"
 #import slot "emptiness"
@@ -37,6 +40,31 @@ fn distance_map_y(@builtin(global_invocation_id) id: vec3u) {
 @compute @workgroup_size(4, 4, 4)
 fn distance_map_z(@builtin(global_invocation_id) id: vec3u) {
     distance_map_along(vec3i(id), vec3i(0, 0, 1), 0u);
+}
+
+// The kinds of the second turn.
+@compute @workgroup_size(4, 4, 4)
+fn distance_map_open(@builtin(global_invocation_id) id: vec3u) {
+    let brick = vec3i(id);
+    if any(brick >= bricks.dims) {
+        return;
+    }
+    let low = max(brick - vec3i(1), vec3i(0));
+    let high = min(brick + vec3i(1), bricks.dims - vec3i(1));
+    var kind = DISTANCE_SEEN;
+    for (var z = low.z; z <= high.z; z++) {
+        for (var y = low.y; y <= high.y; y++) {
+            for (var x = low.x; x <= high.x; x++) {
+                let half = u32(textureLoad(distance_map_out, bricks_texel(vec3i(x, y, z))).x) >> 12u;
+                if (half & DISTANCE_SEEN) == 0u && (half & DISTANCE_NONE) >= 2u {
+                    kind = 0u;
+                }
+            }
+        }
+    }
+    let texel = bricks_texel(brick);
+    let kept = u32(textureLoad(distance_map_out, texel).x) & 0xfff000u;
+    textureStore(distance_map_out, texel, vec4f(f32(kept | kind | DISTANCE_NONE)));
 }
 
 // The distance in one more axis: of the bricks along it, the least of what is larger, the way there or the distance from

@@ -3,8 +3,9 @@
 // radius before. As far as it is the brick's own, its radius grows.
 //
 // A number has fields of four bits, so that one texture of floats does: in turn a pass reads one of the first two of all
-// numbers, and writes the other one of its own. Then the brick's own power of two (15: nothing is seen), how often its
-// radius has grown, and how many radii have been tried.
+// numbers, and writes the other one of its own. Their last bit says that something around is not seen: what is seen ends
+// there, for the ray to leap. Then the brick's own power of two (7: nothing is seen), how often its radius has grown, and
+// how many radii have been tried.
 #import "lib/absorbing.wgsl"
 #import "lib/brick_details.wgsl"
 #import "lib/brick_ranges.wgsl"
@@ -13,7 +14,8 @@
 
 @group(3) @binding(25) var stride_map_out: texture_storage_2d<r32float, read_write>;
 
-const STRIDE_UNSEEN: u32 = 15u;
+const STRIDE_UNSEEN: u32 = 7u;
+const STRIDE_BESIDE_UNSEEN: u32 = 8u;
 // Segments of more steps would hardly save anything more.
 const STRIDE_MOST: f32 = 5.0;
 
@@ -29,7 +31,8 @@ fn stride_map_begin(@builtin(global_invocation_id) id: vec3u) {
         let steps = importance_steps(range.x, range.y, brick_detail(brick));
         stride = u32(clamp(floor(log2(steps)), 0.0, STRIDE_MOST));
     }
-    textureStore(stride_map_out, bricks_texel(brick), vec4f(f32(stride | (stride << 4u) | (stride << 8u))));
+    let field = stride | select(0u, STRIDE_BESIDE_UNSEEN, stride == STRIDE_UNSEEN);
+    textureStore(stride_map_out, bricks_texel(brick), vec4f(f32(field | (field << 4u) | (stride << 8u))));
 }
 
 @compute @workgroup_size(4, 4, 4)
@@ -57,21 +60,25 @@ fn stride_map_along(brick: vec3i, axis: vec3i, number: u32) {
     let level = word >> 15u;
     let from_shift = ((level + number) & 1u) * 4u;
     let to_shift = 4u - from_shift;
-    var least = (word >> from_shift) & 15u;
+    let field = (word >> from_shift) & 15u;
+    var least = field & 7u;
+    var beside = field & STRIDE_BESIDE_UNSEEN;
     let way = i32(1u << level) * axis;
     for (var side = 0; side < 2; side++) {
         let other = select(brick + way, brick - way, side == 0);
         if all(other >= vec3i(0)) && all(other < bricks.dims) {
-            let beside = u32(textureLoad(stride_map_out, bricks_texel(other)).x);
-            least = min(least, (beside >> from_shift) & 15u);
+            let there = u32(textureLoad(stride_map_out, bricks_texel(other)).x) >> from_shift;
+            least = min(least, there & 7u);
+            beside |= there & STRIDE_BESIDE_UNSEEN;
         }
     }
-    var next = (word & ~(15u << to_shift)) | (least << to_shift);
+    var next = (word & ~(15u << to_shift)) | ((least | beside) << to_shift);
     if number == 2u {
-        let own = (word >> 8u) & 15u;
+        let own = (word >> 8u) & 7u;
         let grown = (word >> 12u) & 7u;
         // Only as far as all radii before.
-        let grows = least >= own && grown == level;
+        let is_alike = least >= own && (own == STRIDE_UNSEEN || beside == 0u);
+        let grows = is_alike && grown == level;
         next = (next & 0xfffu) | ((grown + select(0u, 1u, grows)) << 12u) | ((level + 1u) << 15u);
     }
     textureStore(stride_map_out, texel, vec4f(f32(next)));

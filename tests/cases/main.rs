@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a case fails by panicking")]
 
 mod accuracy;
+mod adaptive;
 mod agreement;
 mod clips;
 mod closed_forms;

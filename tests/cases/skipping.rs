@@ -28,7 +28,7 @@ fn difference(name: &str, scene: &Scene, backend: &str) -> f64 {
 
 fn stay_the_same(names: &[&str]) {
     // These show how the walk went: its samples, and the estimate by pairs of segments, which starts anew behind a leap.
-    let of_walks = ["samples", "error"];
+    let of_walks = ["adaptive", "samples", "error"];
     for name in names.iter().filter(|name| !of_walks.contains(name)) {
         let scene = load(&graph_file(name), &[]).unwrap_or_else(|findings| panic!("{findings}"));
         for backend in adapters() {

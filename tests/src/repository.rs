@@ -51,7 +51,7 @@ pub fn graph_file(name: &str) -> PathBuf {
 }
 
 /// Ready graphs that need no file, by what they show; tests of each group run side by side.
-pub const GROUPS: [(&str, &[&str]); 5] = [
+pub const GROUPS: [(&str, &[&str]); 6] = [
     ("solids", SOLIDS),
     ("volumes", VOLUMES),
     ("parts and projections", PARTS_AND_PROJECTIONS),
@@ -91,6 +91,7 @@ pub const VOLUMES: &[&str] = &[
 
 /// Cuts, labels, and what is one number of a ray.
 pub const PARTS_AND_PROJECTIONS: &[&str] = &[
+    "adaptive",
     "average",
     "clip_box",
     "clip_naive",
@@ -109,6 +110,7 @@ pub const COMPARISONS: &[&str] = &["difference", "error"];
 
 /// Drawn on the processor: they have no stages.
 pub const SOFTWARE: &[&str] = &["software"];
+
 /// Emission and absorption by other renderers than the raycast.
 pub const RENDERERS: &[&str] = &["multipass", "slices"];
 

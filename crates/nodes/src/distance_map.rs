@@ -1,6 +1,7 @@
 //! `distance_map`: of each brick whether anything of it may be seen, and how far the next one is of the other kind.
 //!
-//! A compute shader makes it of the bricks' ranges and of what the slot `emptiness` says, in one pass for each axis. Of
+//! A compute shader makes it of the bricks' ranges and of what the slot `emptiness` says, in one pass for each axis, twice:
+//! bricks between seen ones, over which a leap would gain nothing, count as seen. Of
 //! transfer functions it depends only on which scalars absorb: as long as those stay the same, it is not made again.
 
 use volgraph_graph::{
@@ -188,6 +189,7 @@ impl NodeKind for DistanceMap {
                 "distance_map_x",
                 "distance_map_y",
                 "distance_map_z",
+                "distance_map_open",
             ],
             inherited: Vec::new(),
         })
@@ -217,13 +219,13 @@ impl NodeKind for DistanceMap {
             workgroups: dims.map(|n| n.div_ceil(4)),
             constants: Vec::new(),
         };
-        Ok([
-            "distance_map_begin",
-            "distance_map_x",
-            "distance_map_y",
-            "distance_map_z",
-        ]
-        .map(pass)
-        .into())
+        let axes = ["distance_map_x", "distance_map_y", "distance_map_z"];
+        Ok(["distance_map_begin"]
+            .into_iter()
+            .chain(axes)
+            .chain(["distance_map_open"])
+            .chain(axes)
+            .map(pass)
+            .collect())
     }
 }

@@ -9,8 +9,8 @@
 //! What is integrated over a scalar that runs linearly (`preintegrated_3d`) is wrong by the first of these alone.
 //!
 //! It bounds what each segment adds, and so is far above what a picture is wrong by: errors of segments cancel, derivatives
-//! are not everywhere as large as at most, and what lies behind other matter counts little. It says nothing of light: how
-//! that changes within a segment is not in it.
+//! are not everywhere as large as at most, and what lies behind other matter counts little. How light changes within a
+//! segment nothing bounds: of what is lit, segments stay as long as a step, and only what is not seen is leapt over.
 
 use std::sync::Arc;
 
@@ -45,7 +45,11 @@ pub(crate) const STRIDES: Demand = Demand {
         ("step", "step"),
         ("step_tolerance", "step_tolerance"),
     ],
-    slots: &[("reconstruct", "reconstruct"), ("classify", "classify")],
+    slots: &[
+        ("reconstruct", "reconstruct"),
+        ("classify", "classify"),
+        ("light", "light"),
+    ],
 };
 
 const INPUTS: &[InputPort] = &[
@@ -78,7 +82,7 @@ const INPUTS: &[InputPort] = &[
 const OUTPUTS: &[OutputPort] = &[OutputPort {
     name: "stride_map",
     ty: PortType::StrideMap,
-    doc: "In each number, as a power of two how many steps a segment may take in a brick (15: nothing is seen), and how far around that holds.",
+    doc: "In each number, as a power of two how many steps a segment may take in a brick (7: nothing is seen), and how far around that holds.",
 }];
 
 const SLOTS: &[SlotSpec] = &[
@@ -91,6 +95,11 @@ const SLOTS: &[SlotSpec] = &[
         name: "classify",
         default: "preintegrated_2d",
         doc: "What are colour and opacity of a segment?",
+    },
+    SlotSpec {
+        name: "light",
+        default: "unlit",
+        doc: "How is a point lit?",
     },
 ];
 
@@ -106,10 +115,10 @@ const LEVELS: usize = 4;
 pub fn tolerance_param() -> ParamSpec {
     ParamSpec::float(
         "step_tolerance",
-        1e-3,
+        0.1,
         "Largest error of a colour that a segment longer than a step may make, where `traverse` is `adaptive`: a bound, far above what a picture is wrong by.",
     )
-    .range(1e-9, 1.0)
+    .range(1e-9, 1e4)
 }
 
 /// How a transfer function changes between the entries of its table, from the first scalar to the last: of each entry, the
@@ -269,7 +278,11 @@ fn importance(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     let entry = |[steepest, start, end]: &[f64; 3]| {
         UniformValue::Vec4([number(*steepest), number(*start), number(*end), 0.0])
     };
-    let cubes = 8.0 * node.float("step_tolerance");
+    let cubes = if node.slot("light") == "unlit" {
+        8.0 * node.float("step_tolerance")
+    } else {
+        0.0
+    };
     let step = node.float("step") * voxel;
     Ok(vec![
         ("low", UniformValue::F32(number(changes.low))),

@@ -4,6 +4,9 @@
 #import "lib/brick_leap.wgsl"
 #import slot "look"
 
+// So many segments are walked at least between two looks.
+const LEAP_BRICKS_LEAST: u32 = 8u;
+
 fn leap_from(ray: Ray, index: u32) -> Leap {
     let length = ray.far - ray.near;
     var at = index;
@@ -16,12 +19,12 @@ fn leap_from(ray: Ray, index: u32) -> Leap {
         let look = look_at(brick);
         let next = brick_leap_through(ray, at, place, brick - (look.away - 1), brick + look.away);
         if look.is_seen {
-            return brick_leap_to(index, at, next);
+            return brick_leap_to(index, at, next, LEAP_BRICKS_LEAST);
         }
         if next == at {
             break;
         }
         at = next;
     }
-    return brick_leap_to(index, at, at);
+    return brick_leap_to(index, at, at, LEAP_BRICKS_LEAST);
 }

@@ -6,8 +6,8 @@
 
 @group(1) @binding(34) var stride_map: texture_2d<f32>;
 
-// A run of longer segments has so many at least: a look costs as much as some of them. Even.
-const LEAP_STRIDES_LEAST: u32 = 4u;
+// So many segments are walked at least between two looks, long ones as well: fewer samples are what it is for.
+const LEAP_STRIDES_LEAST: u32 = 2u;
 
 fn leap_from(ray: Ray, index: u32) -> Leap {
     let length = ray.far - ray.near;
@@ -21,20 +21,20 @@ fn leap_from(ray: Ray, index: u32) -> Leap {
         let number = u32(textureSampleLevel(stride_map, nearest_sampler, bricks_in_map(brick), 0.0).x);
         let radius = i32(1u << ((number >> 12u) & 7u)) - 1;
         let next = brick_leap_through(ray, at, place, brick - radius, brick + radius + 1);
-        let power = (number >> 8u) & 15u;
-        if power < 15u {
-            let leap = brick_leap_to(index, at, next);
-            let fits = (next - leap.index) / LEAP_STRIDES_LEAST;
-            if power == 0u || next < leap.index || fits < 2u {
+        let power = (number >> 8u) & 7u;
+        if power < 7u {
+            let leap = brick_leap_to(index, at, next, LEAP_STRIDES_LEAST);
+            let room = max(next, leap.index) - leap.index;
+            let stride = min(1u << power, 1u << firstLeadingBit(max(room / LEAP_STRIDES_LEAST, 1u)));
+            if stride == 1u {
                 return leap;
             }
-            let stride = min(1u << power, 1u << firstLeadingBit(fits));
-            return Leap(leap.index, ((next - leap.index) / stride) & ~1u, stride);
+            return Leap(leap.index, (room / stride) & ~1u, stride);
         }
         if next == at {
             break;
         }
         at = next;
     }
-    return brick_leap_to(index, at, at);
+    return brick_leap_to(index, at, at, LEAP_STRIDES_LEAST);
 }

@@ -54,7 +54,7 @@ const COVERED: &[(&str, &[&str])] = &[
         ],
     ),
     // Leaps are over what is not seen.
-    ("traverse", &["uniform", "skip"]),
+    ("traverse", &["uniform", "skip", "adaptive"]),
     (
         "emptiness",
         &[
