@@ -111,8 +111,8 @@ pub const COMPARISONS: &[&str] = &["difference", "error"];
 /// Drawn on the processor: they have no stages.
 pub const SOFTWARE: &[&str] = &["software"];
 
-/// Emission and absorption by other renderers than the raycast.
-pub const RENDERERS: &[&str] = &["multipass", "slices"];
+/// Emission and absorption by other renderers than the raycast, and the limit that it is measured against.
+pub const RENDERERS: &[&str] = &["fetch_only", "multipass", "slices"];
 
 #[cfg(test)]
 mod tests {
