@@ -1,7 +1,7 @@
 // Tables for lit segments: where they start and end, and lookups.
-#import "lib/between.wgsl"
 #import "lib/classified.wgsl"
 #import "lib/transfer.wgsl"
+#import slot "table_filter"
 
 struct LitTables {
     // Texture coordinate of a scalar's entry in the material's table: scalar * entry_scale + entry_bias.

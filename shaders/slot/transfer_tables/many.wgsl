@@ -1,7 +1,7 @@
 // Which tables of transfer functions are read: those of the row that was selected last.
-#import "lib/between.wgsl"
 #import "lib/nearest_sampler.wgsl"
 #import "lib/transfer_row.wgsl"
+#import slot "table_filter"
 
 struct TransferRow {
     @align(16) transfer: Transfer,

@@ -1,7 +1,7 @@
 // Which tables of transfer functions are read: those of one.
-#import "lib/between.wgsl"
 #import "lib/nearest_sampler.wgsl"
 #import "lib/transfer_row.wgsl"
+#import slot "table_filter"
 
 @group(2) @binding(0) var<uniform> transfer: Transfer;
 @group(2) @binding(1) var transfer_table: texture_2d<f32>;

@@ -22,11 +22,17 @@ pub(crate) fn walk_slots(node: &NodeContext<'_>) -> BTreeMap<String, String> {
     } else {
         "one"
     };
+    let table_filter = if node.limits().float32_filterable {
+        "hardware"
+    } else {
+        "loads"
+    };
     // Most rays have one part, and need no loop over parts.
     let is_whole = node.slot("clip") == "none" && !segmentation::has_labels(node);
     let parts = if is_whole { "one" } else { "many" };
     BTreeMap::from([
         ("parts".to_owned(), parts.to_owned()),
+        ("table_filter".to_owned(), table_filter.to_owned()),
         placement::filter_slot(node),
         placement::filter_slot_at(node, "clip_volume"),
         (segmentation::TABLES_SLOT.to_owned(), tables.to_owned()),

@@ -254,6 +254,7 @@ fn one_mistake_in_a_real_shader_is_one_finding() {
         ("clip", "none"),
         ("labels", "none"),
         ("parts", "one"),
+        ("table_filter", "hardware"),
         ("depth_layer", "written"),
         ("opacity_layer", "none"),
         ("position_layer", "none"),

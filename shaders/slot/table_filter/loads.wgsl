@@ -1,4 +1,5 @@
-// Lookups in tables over the scalars at a segment's two ends.
+// What is between the entries of a table over the scalars at a segment's two ends? Bilinear from four loads, for devices that
+// cannot filter single floats.
 
 // Bilinear between entries: `place` counts entries from front (x) and back (y), up to `last`. Of several tables in one
 // texture, `first` is the first entry of the one that is read.
