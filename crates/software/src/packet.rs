@@ -25,6 +25,17 @@ pub(crate) struct Packet {
     pub(crate) far: f64,
 }
 
+impl Packet {
+    /// Rays that do not meet the box.
+    pub(crate) const NONE: Self = Self {
+        entry: [[0.0; COUNT]; 3],
+        slope: [[0.0; COUNT]; 3],
+        length: [0.0; COUNT],
+        near: [f64::INFINITY, 0.0],
+        far: 0.0,
+    };
+}
+
 /// The smaller one, of numbers only: one instruction.
 #[inline(always)]
 fn smaller(a: f64, b: f64) -> f64 {
@@ -78,10 +89,6 @@ impl<'a> Lens<'a> {
     #[expect(clippy::cast_possible_truncation, reason = "walks are in f32")]
     pub(crate) fn packet(&self, x: u32, y: u32) -> Packet {
         let [width, height] = self.rays.size;
-        // Rays of pixels beyond the picture are walked nowhere.
-        let is_inside: [bool; COUNT] = std::array::from_fn(|lane| {
-            x + lane as u32 % SIZE[0] < width && y + lane as u32 / SIZE[0] < height
-        });
         // Axis by axis and lane by lane, so that the compiler takes several lanes at once.
         let (first, top) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
         let mut across = [0.0; COUNT];
@@ -124,13 +131,7 @@ impl<'a> Lens<'a> {
                 slope[axis][lane] = along;
             }
         }
-        let mut packet = Packet {
-            entry: [[0.0; COUNT]; 3],
-            slope: [[0.0; COUNT]; 3],
-            length: [0.0; COUNT],
-            near: [f64::INFINITY, 0.0],
-            far: 0.0,
-        };
+        let mut packet = Packet::NONE;
         for axis in 0..3 {
             for lane in 0..COUNT {
                 packet.entry[axis][lane] =
@@ -139,7 +140,10 @@ impl<'a> Lens<'a> {
             }
         }
         for lane in 0..COUNT {
-            if is_inside[lane] && far[lane] > near[lane] + self.least {
+            let (right, down) = (lane as u32 % SIZE[0], lane as u32 / SIZE[0]);
+            // Rays of pixels beyond the picture are walked nowhere.
+            let is_inside = x + right < width && y + down < height;
+            if is_inside && far[lane] > near[lane] + self.least {
                 packet.length[lane] = (far[lane] - near[lane]) as f32;
                 packet.near[0] = smaller(packet.near[0], near[lane]);
                 packet.near[1] = larger(packet.near[1], near[lane]);

@@ -102,10 +102,12 @@ impl Picture<'_> {
             let [x, y] = [at as u32 % ACROSS * SIZE[0], at as u32 / ACROSS * SIZE[1]];
             [left + x, y]
         };
-        let packets: [Packet; PACKETS] = std::array::from_fn(|at| {
+        // Functions of the standard library that take this one are not compiled for the machine's own instructions.
+        let mut packets = [Packet::NONE; PACKETS];
+        for (at, packet) in packets.iter_mut().enumerate() {
             let [x, y] = place(at);
-            lens.packet(x, top + y)
-        });
+            *packet = lens.packet(x, top + y);
+        }
         let mut range = [f64::INFINITY, 0.0_f64];
         for packet in &packets {
             range = [range[0].min(packet.near[0]), range[1].max(packet.far)];
