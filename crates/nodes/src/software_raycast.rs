@@ -16,7 +16,7 @@ use volgraph_software::VoxelGrid;
 use wgpu_types::TextureFormat;
 
 pub use self::drawing::{SoftwareDrawing, scene};
-pub use self::instead::instead_of;
+pub use self::instead::{covers, instead_of};
 pub use self::memory::SoftwareMemory;
 use crate::placement::{self, volume};
 use crate::raycast::{MAX_SEGMENTS, longest_ray};

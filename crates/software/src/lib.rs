@@ -15,6 +15,7 @@ pub mod grid;
 pub mod lanes;
 mod packet;
 pub mod raycast;
+mod scout;
 pub mod tables;
 mod walk;
 

@@ -5,6 +5,7 @@ use volgraph_reference::Rays;
 use volgraph_volume::Grid;
 
 use crate::lanes::COUNT;
+use crate::scout::Scout;
 
 /// Pixels of a packet to the right and down.
 pub(crate) const SIZE: [u32; 2] = [4, 2];
@@ -18,6 +19,32 @@ pub(crate) struct Packet {
     pub(crate) slope: [[f32; COUNT]; 3],
     /// World distance to where they leave it; 0 of rays that do not meet it.
     pub(crate) length: [f32; COUNT],
+    /// World distances from the eye, or from its plane, to where the first and the last of them enter.
+    pub(crate) near: [f64; 2],
+    /// The same to where the last one leaves.
+    pub(crate) far: f64,
+}
+
+impl Packet {
+    /// Rays that do not meet the box.
+    pub(crate) const NONE: Self = Self {
+        entry: [[0.0; COUNT]; 3],
+        slope: [[0.0; COUNT]; 3],
+        length: [0.0; COUNT],
+        near: [f64::INFINITY, 0.0],
+        far: 0.0,
+    };
+}
+
+/// The smaller one, of numbers only: one instruction.
+#[inline(always)]
+fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 /// The box and its rays.
@@ -32,6 +59,8 @@ pub(crate) struct Lens<'a> {
     up: DVec3,
     forward: DVec3,
     corners: [DVec3; 8],
+    /// Of the picture's half sides, for each pixel.
+    per_pixel: [f64; 2],
     /// World lengths that are rounding errors.
     least: f64,
 }
@@ -50,6 +79,7 @@ impl<'a> Lens<'a> {
             up: vector(rays.up) * rays.half_extent[1],
             forward: vector(rays.forward),
             corners: grid.corners_world(),
+            per_pixel: rays.size.map(|side| 2.0 / f64::from(side)),
             least: 1e-4 * grid.min_spacing(),
         }
     }
@@ -58,47 +88,107 @@ impl<'a> Lens<'a> {
     #[inline(always)]
     #[expect(clippy::cast_possible_truncation, reason = "walks are in f32")]
     pub(crate) fn packet(&self, x: u32, y: u32) -> Packet {
-        let mut packet = Packet {
-            entry: [[0.0; COUNT]; 3],
-            slope: [[0.0; COUNT]; 3],
-            length: [0.0; COUNT],
-        };
         let [width, height] = self.rays.size;
-        let [half_width, half_height] = self.rays.half_extent;
-        let mut lane = 0;
-        for y in y..y + SIZE[1] {
-            for x in x..x + SIZE[0] {
-                let [across, up] = self.rays.place(x, y);
-                let aside = across * self.right + up * self.up;
-                let (origin, slope) = if self.rays.is_orthographic {
-                    (self.eye + aside, self.forward)
+        // Axis by axis and lane by lane, so that the compiler takes several lanes at once.
+        let (first, top) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let mut across = [0.0; COUNT];
+        let mut up = [0.0; COUNT];
+        for lane in 0..COUNT {
+            let (right, down) = (lane % SIZE[0] as usize, lane / SIZE[0] as usize);
+            across[lane] = (first + right as f64) * self.per_pixel[0] - 1.0;
+            up[lane] = 1.0 - (top + down as f64) * self.per_pixel[1];
+        }
+        let mut per_length = [1.0; COUNT];
+        if !self.rays.is_orthographic {
+            let [half_width, half_height] = self.rays.half_extent;
+            for lane in 0..COUNT {
+                let (a, b) = (across[lane] * half_width, up[lane] * half_height);
+                // The directions are orthonormal in the world.
+                per_length[lane] = 1.0 / (1.0 + a * a + b * b).sqrt();
+            }
+        }
+        let mut origin = [[0.0; COUNT]; 3];
+        let mut slope = [[0.0; COUNT]; 3];
+        let mut near = [0.0; COUNT];
+        let mut far = [f64::INFINITY; COUNT];
+        for axis in 0..3 {
+            let (eye, forward) = (self.eye[axis], self.forward[axis]);
+            let (right, upward) = (self.right[axis], self.up[axis]);
+            let (low, high) = (self.low[axis], self.high[axis]);
+            for lane in 0..COUNT {
+                let aside = across[lane] * right + up[lane] * upward;
+                let (from, along) = if self.rays.is_orthographic {
+                    (eye + aside, forward)
                 } else {
-                    let (a, b) = (across * half_width, up * half_height);
-                    // The directions are orthonormal in the world.
-                    let length = (1.0 + a * a + b * b).sqrt();
-                    (self.eye, (self.forward + aside) / length)
+                    (eye, (forward + aside) * per_length[lane])
                 };
                 // A ray along a face has no crossing with it; a tiny slope keeps the division finite.
-                let tiny = slope.abs().cmplt(DVec3::splat(1e-20));
-                let inverse = DVec3::select(tiny, DVec3::splat(1e-20), slope).recip();
-                let (a, b) = (
-                    (self.low - origin) * inverse,
-                    (self.high - origin) * inverse,
-                );
-                let near = a.min(b).max_element().max(0.0);
-                let far = a.max(b).min_element();
-                let entry = origin + near * slope;
-                for axis in 0..3 {
-                    packet.entry[axis][lane] = entry[axis] as f32;
-                    packet.slope[axis][lane] = slope[axis] as f32;
-                }
-                if far > near + self.least && x < width && y < height {
-                    packet.length[lane] = (far - near) as f32;
-                }
-                lane += 1;
+                let inverse = 1.0 / if along.abs() < 1e-20 { 1e-20 } else { along };
+                let (a, b) = ((low - from) * inverse, (high - from) * inverse);
+                near[lane] = larger(near[lane], smaller(a, b));
+                far[lane] = smaller(far[lane], larger(a, b));
+                origin[axis][lane] = from;
+                slope[axis][lane] = along;
+            }
+        }
+        let mut packet = Packet::NONE;
+        for axis in 0..3 {
+            for lane in 0..COUNT {
+                packet.entry[axis][lane] =
+                    (origin[axis][lane] + near[lane] * slope[axis][lane]) as f32;
+                packet.slope[axis][lane] = slope[axis][lane] as f32;
+            }
+        }
+        for lane in 0..COUNT {
+            let (right, down) = (lane as u32 % SIZE[0], lane as u32 / SIZE[0]);
+            // Rays of pixels beyond the picture are walked nowhere.
+            let is_inside = x + right < width && y + down < height;
+            if is_inside && far[lane] > near[lane] + self.least {
+                packet.length[lane] = (far[lane] - near[lane]) as f32;
+                packet.near[0] = smaller(packet.near[0], near[lane]);
+                packet.near[1] = larger(packet.near[1], near[lane]);
+                packet.far = larger(packet.far, far[lane]);
             }
         }
         packet
+    }
+
+    /// Index coordinates of a ray's start, and what is added to that for each world unit.
+    fn ray(&self, x: f64, y: f64) -> (DVec3, DVec3) {
+        let across = (x + 0.5) * self.per_pixel[0] - 1.0;
+        let up = 1.0 - (y + 0.5) * self.per_pixel[1];
+        let aside = across * self.right + up * self.up;
+        if self.rays.is_orthographic {
+            return (self.eye + aside, self.forward);
+        }
+        let [a, b] = [
+            across * self.rays.half_extent[0],
+            up * self.rays.half_extent[1],
+        ];
+        (
+            self.eye,
+            (self.forward + aside) / (1.0 + a * a + b * b).sqrt(),
+        )
+    }
+
+    /// The ray in the middle of a tile of pixels, for all of its rays between two world distances.
+    pub(crate) fn scout(&self, [left, top]: [u32; 2], size: [u32; 2], range: [f64; 2]) -> Scout {
+        let [left, top] = [left, top].map(f64::from);
+        let [right, low] = [left + f64::from(size[0] - 1), top + f64::from(size[1] - 1)];
+        let (eye, slope) = self.ray(0.5 * (left + right), 0.5 * (top + low));
+        let mut beside = DVec3::ZERO;
+        for (x, y) in [(left, top), (right, top), (left, low), (right, low)] {
+            let (from, along) = self.ray(x, y);
+            for distance in range {
+                beside = beside.max((from - eye + distance * (along - slope)).abs());
+            }
+        }
+        Scout {
+            entry: eye + range[0] * slope,
+            slope,
+            beside,
+            range,
+        }
     }
 
     /// The pixels that the box may cover: from x and y up to x and y, without the latter.

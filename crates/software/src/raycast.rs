@@ -7,8 +7,9 @@ use volgraph_volume::Grid;
 use crate::classify::{Integral1d, Post};
 use crate::empty::DistanceMap;
 use crate::grid::{Cells, Sampled, VoxelGrid};
-use crate::lanes::{COUNT, Lanes, Portable, Work, with_lanes};
-use crate::packet::{Lens, SIZE};
+use crate::lanes::{Lanes, Portable, Work, with_lanes};
+use crate::packet::{Lens, Packet, SIZE};
+use crate::scout::Spans;
 use crate::tables::{Classify, Tables};
 use crate::walk::{Classified, Walk};
 
@@ -32,10 +33,16 @@ pub struct Raycast<'a> {
 /// Pixels of a tile to the right, and of a band of tiles down.
 const TILE: [u32; 2] = [16, 8];
 
+/// Packets of a tile in a row, and in all.
+const ACROSS: u32 = TILE[0] / SIZE[0];
+const PACKETS: usize = (ACROSS * TILE[1] / SIZE[1]) as usize;
+
 struct Picture<'a> {
     raycast: &'a Raycast<'a>,
     rays: &'a Rays,
     behind: &'a [[f32; 4]],
+    /// World length of a voxel's shortest side.
+    voxel_world: f32,
 }
 
 impl Work for Picture<'_> {
@@ -91,24 +98,46 @@ impl Picture<'_> {
         pixels: &mut [[f32; 4]],
     ) {
         let width = self.rays.size[0];
-        for y in (0..TILE[1]).step_by(SIZE[1] as usize) {
-            for x in (left..left + TILE[0]).step_by(SIZE[0] as usize) {
-                let packet = lens.packet(x, top + y);
-                if packet.length == [0.0; COUNT] {
-                    continue;
-                }
-                let shown = Walk::new(lanes, self.raycast, &packet).shown::<S, C>(cells);
-                for (lane, length) in packet.length.into_iter().enumerate() {
-                    let (right, down) = (lane as u32 % SIZE[0], lane as u32 / SIZE[0]);
-                    let at = ((y + down) * width + x + right) as usize;
-                    let [r, g, b, open] = [0, 1, 2, 3].map(|channel| shown[channel][lane]);
-                    // Beyond the right edge is the next row's pixel.
-                    if length > 0.0
-                        && let Some(pixel) = pixels.get_mut(at)
-                    {
-                        let color = [r, g, b, 1.0 - open];
-                        *pixel = std::array::from_fn(|i| color[i] + open * pixel[i]);
-                    }
+        let place = |at: usize| {
+            let [x, y] = [at as u32 % ACROSS * SIZE[0], at as u32 / ACROSS * SIZE[1]];
+            [left + x, y]
+        };
+        // Functions of the standard library that take this one are not compiled for the machine's own instructions.
+        let mut packets = [Packet::NONE; PACKETS];
+        for (at, packet) in packets.iter_mut().enumerate() {
+            let [x, y] = place(at);
+            *packet = lens.packet(x, top + y);
+        }
+        let mut range = [f64::INFINITY, 0.0_f64];
+        for packet in &packets {
+            range = [range[0].min(packet.near[0]), range[1].max(packet.far)];
+        }
+        if range[0] > range[1] {
+            return;
+        }
+        let raycast = self.raycast;
+        let spans = raycast.empty.map_or(Spans::WHOLE, |map| {
+            let scout = lens.scout([left, top], TILE, range);
+            let least = raycast.step_world.max(self.voxel_world);
+            scout.spans(map, raycast.voxels.dims, least)
+        });
+        for (at, packet) in packets.iter().enumerate() {
+            if packet.far == 0.0 {
+                continue;
+            }
+            let segments = spans.segments(packet, raycast.step_world);
+            let shown = Walk::new(lanes, raycast, packet).shown::<S, C>(cells, segments);
+            let [x, y] = place(at);
+            for (lane, length) in packet.length.into_iter().enumerate() {
+                let (right, down) = (lane as u32 % SIZE[0], lane as u32 / SIZE[0]);
+                let at = ((y + down) * width + x + right) as usize;
+                let [r, g, b, open] = [0, 1, 2, 3].map(|channel| shown[channel][lane]);
+                // Beyond the right edge is the next row's pixel.
+                if length > 0.0
+                    && let Some(pixel) = pixels.get_mut(at)
+                {
+                    let color = [r, g, b, 1.0 - open];
+                    *pixel = std::array::from_fn(|i| color[i] + open * pixel[i]);
                 }
             }
         }
@@ -124,6 +153,7 @@ impl Raycast<'_> {
             raycast: self,
             rays,
             behind,
+            voxel_world: self.placement.min_spacing() as f32,
         })
     }
 
@@ -134,6 +164,7 @@ impl Raycast<'_> {
             raycast: self,
             rays,
             behind,
+            voxel_world: self.placement.min_spacing() as f32,
         }
         .with(Portable)
     }

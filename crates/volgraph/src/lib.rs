@@ -27,6 +27,7 @@ pub mod methods;
 mod overrides;
 pub mod quality;
 pub mod recorded;
+pub mod renderer;
 mod scene;
 mod session;
 mod shaders;

@@ -14,6 +14,7 @@ mod measurement;
 mod offered;
 pub mod peers;
 mod session_stand;
+mod software;
 mod space;
 mod stand;
 mod survey;

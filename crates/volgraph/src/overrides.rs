@@ -7,6 +7,8 @@ use volgraph_graph::{CameraDesc, GraphDesc, ParamDesc, SourceDesc};
 use volgraph_report::{Finding, Findings, Place, did_you_mean};
 use volgraph_shader::ParamValue;
 
+use crate::renderer::{RENDERER, set_renderer};
+
 /// Changes to a graph, in the words of the command line.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Overrides {
@@ -141,7 +143,16 @@ impl Overrides {
                 place,
             };
         }
+        let is_renderer =
+            |set: &&ParamOverride| set.name == RENDERER && !set.is_slot && desc_has(desc, set);
+        let renderers: Vec<&ParamOverride> = self.params.iter().filter(is_renderer).collect();
         for set in &self.params {
+            if renderers
+                .iter()
+                .any(|renderer| std::ptr::eq(*renderer, set))
+            {
+                continue;
+            }
             if let Some(node) = desc.nodes.get_mut(&set.target) {
                 let values = if set.is_slot {
                     &mut node.slots
@@ -159,11 +170,22 @@ impl Overrides {
                 ));
             }
         }
+        // What is set beside it is known by now.
+        for set in renderers {
+            if let Some(node) = desc.nodes.get_mut(&set.target) {
+                findings.take(set_renderer(&set.target, node, &set.value, &set.place()));
+            }
+        }
         if let Some(camera) = &self.camera {
             desc.camera = Some(camera.clone());
         }
         findings.into_result(())
     }
+}
+
+/// Whether a graph has the node that is set.
+fn desc_has(desc: &GraphDesc, set: &ParamOverride) -> bool {
+    desc.nodes.contains_key(&set.target)
 }
 
 /// The name of the source that `--volume` means.

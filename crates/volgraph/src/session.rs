@@ -27,6 +27,7 @@ use self::read_back::{picture, read};
 use crate::dependencies::Dependencies;
 use crate::overrides::Overrides;
 use crate::quality::{self, Chosen};
+use crate::renderer;
 use crate::scene::{NoProgress, Scene, SourceProgress};
 use crate::shaders::ShaderFolders;
 use crate::truth::default_cache;
@@ -463,7 +464,12 @@ fn settle(
         return Ok((scene, None));
     };
     let still_fits = |before: &&Chosen| {
-        before.budget == desc.budget && scene.desc.nodes.contains_key(&before.node)
+        let node = scene.desc.nodes.get(&before.node);
+        before.budget == desc.budget
+            && node.is_some_and(|node| {
+                !before.method.is_software()
+                    || renderer::may_take_over(&before.node, node, &scene.overrides.params)
+            })
     };
     let chosen = match before.filter(still_fits) {
         Some(before) => Some(before.overruled_by(&scene.overrides.params)),

@@ -32,6 +32,13 @@ const COVERED: &[(&str, &[&str])] = &[
     ),
 ];
 
+/// Whether it draws what a choice of a `raycast`'s slot draws; also of slots that it does not know of.
+#[must_use]
+pub fn covers(slot: &str, choice: &str) -> bool {
+    let known = COVERED.iter().find(|(known, _)| *known == slot);
+    known.is_none_or(|(_, choices)| choices.contains(&choice))
+}
+
 /// What it draws in place of a `raycast`, or for a `software_raycast`, and in words by which method.
 ///
 /// # Errors
@@ -56,9 +63,9 @@ fn of_raycast<'n>(
     node: &NodeContext<'n>,
     view: &View,
 ) -> Result<(SoftwareDrawing, &'n str), Finding> {
-    for (slot, choices) in COVERED {
+    for (slot, _) in COVERED {
         let choice = node.slot(slot);
-        if !choices.contains(&choice) {
+        if !covers(slot, choice) {
             return Err(not_covered(
                 node,
                 &format!("the choice `{choice}` of the slot `{slot}`"),

@@ -30,7 +30,16 @@ const LARGE: u64 = 1 << 25;
 struct Remembered {
     voxels: Vec<(Weak<Volume>, Arc<Voxels>)>,
     looks: Vec<(LookKey, Arc<Tables>, Option<Arc<DistanceMap>>)>,
-    behind: Vec<(Background, [u64; 2], [u32; 2], Arc<Vec<[f32; 4]>>)>,
+    behind: Vec<Behind>,
+}
+
+/// What is behind the pixels of pictures of a size and an angle of view.
+#[derive(Debug)]
+struct Behind {
+    background: Background,
+    half_extent: [u64; 2],
+    size: [u32; 2],
+    pixels: Arc<Vec<[f32; 4]>>,
 }
 
 #[derive(Debug)]
@@ -148,19 +157,24 @@ impl Remembered {
             return Arc::default();
         }
         let lens = rays.half_extent.map(f64::to_bits);
-        let is_same = |(it, extent, size, _): &(Background, _, _, _)| {
-            it == background && *extent == lens && *size == rays.size
+        let is_same = |it: &Behind| {
+            it.background == *background && it.half_extent == lens && it.size == rays.size
         };
         if let Some(at) = self.behind.iter().position(is_same) {
             self.behind[..=at].rotate_right(1);
-            return Arc::clone(&self.behind[0].3);
+            return Arc::clone(&self.behind[0].pixels);
         }
         let [width, height] = rays.size;
         let rows = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
         #[expect(clippy::cast_possible_truncation, reason = "pictures hold f32")]
         let pixels = rows.map(|(x, y)| background.at(rays, x, y).map(|value| value as f32));
         let pixels = Arc::new(pixels.collect::<Vec<_>>());
-        let made = (background.clone(), lens, rays.size, Arc::clone(&pixels));
+        let made = Behind {
+            background: background.clone(),
+            half_extent: lens,
+            size: rays.size,
+            pixels: Arc::clone(&pixels),
+        };
         remember(&mut self.behind, made);
         pixels
     }

@@ -57,6 +57,26 @@ impl PeerWork {
     pub fn candidates(self) -> &'static [&'static [&'static str]] {
         match self {
             Self::Dvr => &[
+                &[
+                    "image.renderer=software",
+                    "image.slots.classify=post",
+                    "image.step=3",
+                ],
+                &[
+                    "image.renderer=software",
+                    "image.slots.classify=post",
+                    "image.step=2.5",
+                ],
+                &[
+                    "image.renderer=software",
+                    "image.slots.classify=post",
+                    "image.step=2",
+                ],
+                &[
+                    "image.renderer=software",
+                    "image.slots.classify=post",
+                    "image.step=1",
+                ],
                 &["image.slots.classify=preintegrated_2d", "image.step=2"],
                 &["image.slots.classify=preintegrated_2d", "image.step=1"],
                 &["image.slots.classify=post", "image.step=1"],

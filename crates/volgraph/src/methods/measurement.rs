@@ -8,6 +8,7 @@ use volgraph_shader::ParamValue;
 
 use super::accuracy::Errors;
 use crate::overrides::ParamOverride;
+use crate::renderer::{RENDERER, SOFTWARE};
 
 /// One choice of a slot, or one value of a parameter.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -46,6 +47,12 @@ impl Method {
             .collect()
     }
 
+    /// Whether the software raycaster draws it in place of a raycast.
+    #[must_use]
+    pub fn is_software(&self) -> bool {
+        self.text(RENDERER) == SOFTWARE
+    }
+
     /// The value of a setting, as a text; empty where there is none of that name.
     #[must_use]
     pub fn text(&self, name: &str) -> String {
@@ -55,10 +62,14 @@ impl Method {
 }
 
 impl fmt::Display for Method {
-    /// `classify=post step=0.5`, as filters are written.
+    /// `classify=post step=0.5`, as filters are written; `software classify=post step=2` of the software raycaster.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (at, setting) in self.settings.iter().enumerate() {
             let space = if at > 0 { " " } else { "" };
+            if setting.name == RENDERER {
+                write!(f, "{space}{}", setting.value)?;
+                continue;
+            }
             write!(f, "{space}{}={}", setting.name, setting.value)?;
         }
         Ok(())

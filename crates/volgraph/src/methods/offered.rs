@@ -13,6 +13,7 @@ use volgraph_shader::{ParamSpec, ParamType, ParamValue, ShaderRoots, check_file}
 
 use super::filter::{Filter, Wanted};
 use super::space::Axis;
+use crate::renderer::is_software;
 
 /// Slots whose choices approximate one picture.
 const METHOD_SLOTS: [&str; 5] = [
@@ -26,8 +27,11 @@ const METHOD_SLOTS: [&str; 5] = [
 /// Parameters with choices that approximate one picture.
 const METHOD_CHOICES: [&str; 4] = ["volume_storage", "stage", "format", "steps_per_pass"];
 
+/// Those of the software raycaster; a raycast has slots of these names.
+pub(super) const SOFTWARE_CHOICES: [&str; 3] = ["classify", "attenuation", "traverse"];
+
 /// Numbers that do, and the multiples of the default that are compared.
-const METHOD_NUMBERS: [(&str, &[f64]); 2] = [
+pub(super) const METHOD_NUMBERS: [(&str, &[f64]); 2] = [
     ("step", &[0.25, 0.5, 1.0, 2.0, 4.0]),
     ("early_termination", &[0.0, 1.0, 16.0]),
 ];
@@ -73,12 +77,17 @@ impl Offered<'_> {
     pub fn axes(&self) -> Vec<Axis> {
         let slots = METHOD_SLOTS.iter().filter(|slot| self.uses(slot));
         let slots = slots.map(|slot| (*slot, true, self.choices(slot)));
-        let choices = METHOD_CHOICES.iter().filter_map(|name| {
+        let names: &[&str] = if is_software(&self.node.kind_name()) {
+            &SOFTWARE_CHOICES
+        } else {
+            &METHOD_CHOICES
+        };
+        let choices = names.iter().filter_map(|name| {
             let values = choices(self.spec(name)?);
             Some((*name, false, values))
         });
         let numbers = METHOD_NUMBERS.iter().filter_map(|(name, multiples)| {
-            let values = self.numbers(self.spec(name)?, multiples);
+            let values = numbers(self.spec(name)?, multiples, self.own(name, false));
             Some((*name, false, values))
         });
         let axes = slots.chain(choices).chain(numbers);
@@ -88,6 +97,7 @@ impl Offered<'_> {
                 is_slot,
                 values,
                 base: 0,
+                is_software: false,
             })
             .collect()
     }
@@ -137,26 +147,6 @@ impl Offered<'_> {
         let choices = self.roots.choices(slot).into_iter().map(ParamValue::Text);
         let mut values: Vec<ParamValue> = choices.collect();
         add(&mut values, self.own(slot, true));
-        values
-    }
-
-    /// Multiples of a number's default inside its range, with the graph's own value, rising.
-    fn numbers(&self, spec: &ParamSpec, multiples: &[f64]) -> Vec<ParamValue> {
-        let ParamValue::Float(default) = spec.default else {
-            return Vec::new();
-        };
-        let mut values = Vec::new();
-        for multiple in multiples {
-            add(
-                &mut values,
-                spec.check(&ParamValue::Float(default * multiple)).ok(),
-            );
-        }
-        add(&mut values, self.own(&spec.name, false));
-        values.sort_by(|a, b| match (a, b) {
-            (ParamValue::Float(a), ParamValue::Float(b)) => a.total_cmp(b),
-            _ => std::cmp::Ordering::Equal,
-        });
         values
     }
 
@@ -225,21 +215,45 @@ impl Offered<'_> {
 }
 
 /// A number as it is written for a parameter of this type.
-fn number_of(spec: &ParamSpec, number: f64) -> String {
+pub(super) fn number_of(spec: &ParamSpec, number: f64) -> String {
     match spec.ty {
         ParamType::Int | ParamType::Uint => format!("{number:.0}"),
         _ => format!("{number:?}"),
     }
 }
 
+/// Multiples of a number's default inside its range, with the graph's own value, rising.
+pub(super) fn numbers(
+    spec: &ParamSpec,
+    multiples: &[f64],
+    own: Option<ParamValue>,
+) -> Vec<ParamValue> {
+    let ParamValue::Float(default) = spec.default else {
+        return Vec::new();
+    };
+    let mut values = Vec::new();
+    for multiple in multiples {
+        add(
+            &mut values,
+            spec.check(&ParamValue::Float(default * multiple)).ok(),
+        );
+    }
+    add(&mut values, own);
+    values.sort_by(|a, b| match (a, b) {
+        (ParamValue::Float(a), ParamValue::Float(b)) => a.total_cmp(b),
+        _ => std::cmp::Ordering::Equal,
+    });
+    values
+}
+
 /// The choices of a parameter that are methods of their own.
-fn choices(spec: &ParamSpec) -> Vec<ParamValue> {
+pub(super) fn choices(spec: &ParamSpec) -> Vec<ParamValue> {
     let choices = spec.choices().iter().filter(|choice| *choice != AUTO);
     choices.cloned().map(ParamValue::Text).collect()
 }
 
 /// Adds a value that is not there yet.
-fn add(values: &mut Vec<ParamValue>, value: Option<ParamValue>) {
+pub(super) fn add(values: &mut Vec<ParamValue>, value: Option<ParamValue>) {
     if let Some(value) = value.filter(|value| !values.contains(value)) {
         values.push(value);
     }

@@ -1,4 +1,10 @@
 //! What a raycast offers: an axis for each setting that approximates the same picture, with all of its values.
+//!
+//! Where the software raycaster draws the same picture, the first axis is the renderer, and axes of the software
+//! raycaster's own stand behind the others. A place in the space holds a value of every axis; those of axes that do not
+//! apply there ([`MethodSpace::applies`]) are the base's, so that each method has one place.
+
+use std::collections::BTreeSet;
 
 use volgraph_graph::{NodeId, Plan, Registry};
 use volgraph_report::{Finding, Findings};
@@ -7,6 +13,8 @@ use volgraph_shader::{ParamValue, ShaderRoots};
 use super::filter::Filter;
 use super::measurement::{Method, Setting};
 use super::offered::{Offered, specs_of_choices};
+use super::software;
+use crate::renderer::{RENDERER, SOFTWARE, is_software};
 
 /// A setting and its values.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +27,16 @@ pub struct Axis {
     pub values: Vec<ParamValue>,
     /// Which of them is the graph's own; the first where that is none of them.
     pub base: usize,
+    /// Whether it is one of the software raycaster in place of the node.
+    pub is_software: bool,
+}
+
+impl Axis {
+    fn text(&self, at: usize) -> String {
+        self.values
+            .get(at)
+            .map_or_else(String::new, ToString::to_string)
+    }
 }
 
 /// All methods of a node: the product of its axes.
@@ -42,11 +60,11 @@ pub fn raycast_node(plan: &Plan) -> Result<NodeId, Finding> {
         )
     })?;
     let node = &plan.graph.nodes[output.node];
-    if !volgraph_nodes::draws_volumes(&node.kind_name()) {
+    let kind = node.kind_name();
+    if !volgraph_nodes::draws_volumes(&kind) && !is_software(&kind) {
         let message = format!(
             "methods are those of a raycast, and the output `color` is of `{}`, a `{}`",
-            node.name,
-            node.kind_name()
+            node.name, kind
         );
         return Err(Finding::error("no-raycast", message)
             .help("name the port `color` of a raycast as the output `color`"));
@@ -77,7 +95,8 @@ impl MethodSpace {
         };
         let mut findings = Findings::new();
         let mut axes = offered.axes();
-        for filter in filters {
+        let of_node = |filter: &&Filter| filter.name != RENDERER;
+        for filter in filters.iter().filter(of_node) {
             let Some(values) = findings.take(offered.values(filter)) else {
                 continue;
             };
@@ -88,14 +107,33 @@ impl MethodSpace {
                     is_slot: offered.is_slot(&filter.name),
                     values,
                     base: 0,
+                    is_software: false,
                 }),
             }
         }
-        for axis in &mut axes {
+        let (renderer, software) = software::axes(plan, id, filters);
+        if let Some(renderer) = renderer {
+            axes.insert(0, renderer);
+        } else if let Some(filter) = filters.iter().find(|filter| filter.name == RENDERER) {
+            findings.push(software::unoffered(plan, id, filter));
+        }
+        for axis in axes.iter_mut().filter(|axis| axis.name != RENDERER) {
             let own = offered.own(&axis.name, axis.is_slot);
             let at = own.and_then(|own| axis.values.iter().position(|value| *value == own));
             axis.base = at.unwrap_or(0);
         }
+        axes.extend(software);
+        // Only integrals have an attenuation.
+        let has_integrals = |is_software: bool| {
+            let mut axes = axes.iter();
+            let classify =
+                axes.find(|axis| axis.name == "classify" && axis.is_software == is_software);
+            classify.is_none_or(|axis| (0..axis.values.len()).any(|at| axis.text(at) != "post"))
+        };
+        let has_integrals = [false, true].map(has_integrals);
+        axes.retain(|axis| {
+            axis.name != "attenuation" || has_integrals[usize::from(axis.is_software)]
+        });
         findings.into_result(Self {
             node: node.name.clone(),
             axes,
@@ -105,8 +143,18 @@ impl MethodSpace {
     /// How many methods there are.
     #[must_use]
     pub fn len(&self) -> usize {
-        let counts = self.axes.iter().map(|axis| axis.values.len());
-        counts.fold(1, usize::saturating_mul)
+        // Few enough to be counted one by one are those of axes on which others depend.
+        let base = self.base();
+        let is_deciding = |axis: &Axis| [RENDERER, "classify"].contains(&axis.name.as_str());
+        let deciding = self.product(&base, is_deciding);
+        let counts = deciding.iter().map(|at| {
+            let free = self.axes.iter().enumerate();
+            let free = free.filter(|(i, axis)| !is_deciding(axis) && self.applies(*i, at));
+            free.fold(1, |count: usize, (_, axis)| {
+                count.saturating_mul(axis.values.len())
+            })
+        });
+        counts.fold(0, usize::saturating_add)
     }
 
     /// Whether there are none: never of a space that was made by [`Self::of`].
@@ -121,10 +169,51 @@ impl MethodSpace {
         self.axes.iter().map(|axis| axis.base).collect()
     }
 
+    /// The value of an axis at a place, as a text.
+    fn value(&self, at: &[usize], name: &str, is_software: bool) -> Option<String> {
+        let mut axes = self.axes.iter().zip(at);
+        let (axis, at) =
+            axes.find(|(axis, _)| axis.name == name && axis.is_software == is_software)?;
+        Some(axis.text(*at))
+    }
+
+    /// Whether an axis says something of the method at a place: those of the software raycaster only where it draws, and
+    /// the attenuation only where there are integrals.
+    #[must_use]
+    pub fn applies(&self, axis: usize, at: &[usize]) -> bool {
+        let Some(axis) = self.axes.get(axis) else {
+            return false;
+        };
+        if axis.name == RENDERER {
+            return true;
+        }
+        let draws = self.value(at, RENDERER, false).as_deref() == Some(SOFTWARE);
+        let is_post = || self.value(at, "classify", axis.is_software).as_deref() == Some("post");
+        draws == axis.is_software && !(axis.name == "attenuation" && is_post())
+    }
+
+    /// A place with the base's value on the axes that do not apply there.
+    fn settled(&self, mut at: Vec<usize>) -> Vec<usize> {
+        // Twice: the attenuation depends on a classification that depends on the renderer.
+        for _ in 0..2 {
+            for i in 0..at.len() {
+                if !self.applies(i, &at) {
+                    at[i] = self.axes[i].base;
+                }
+            }
+        }
+        at
+    }
+
     /// The method with these values of each axis.
     #[must_use]
     pub fn method(&self, at: &[usize]) -> Method {
-        let settings = self.axes.iter().zip(at).map(|(axis, at)| Setting {
+        let settings = self.axes.iter().zip(at).enumerate();
+        // The node's own kind needs no words.
+        let settings = settings.filter(|(i, (axis, value))| {
+            self.applies(*i, at) && (axis.name != RENDERER || axis.text(**value) == SOFTWARE)
+        });
+        let settings = settings.map(|(_, (axis, at))| Setting {
             name: axis.name.clone(),
             is_slot: axis.is_slot,
             value: axis.values[*at].clone(),
@@ -134,37 +223,47 @@ impl MethodSpace {
         }
     }
 
-    /// All combinations of values on these axes, with those of `at` on all others.
+    /// All combinations of values on these axes, with those of `at` on all others; each once.
     #[must_use]
     pub fn product(&self, at: &[usize], is_varied: impl Fn(&Axis) -> bool) -> Vec<Vec<usize>> {
         let mut all = vec![at.to_vec()];
         for (i, axis) in self.axes.iter().enumerate() {
             if is_varied(axis) {
                 let varied = all.iter().flat_map(|at| {
-                    (0..axis.values.len()).map(|value| {
+                    let values = if self.applies(i, at) {
+                        axis.values.len()
+                    } else {
+                        0
+                    };
+                    let with = move |value| {
                         let mut at = at.clone();
                         at[i] = value;
                         at
-                    })
+                    };
+                    let unvaried = (values == 0).then(|| at.clone());
+                    (0..values).map(with).chain(unvaried)
                 });
                 all = varied.collect();
             }
         }
-        all
+        let mut known = BTreeSet::new();
+        let all = all.into_iter().map(|at| self.settled(at));
+        all.filter(|at| known.insert(at.clone())).collect()
     }
 
     /// Those that differ from `at` on one axis.
     #[must_use]
     pub fn neighbours(&self, at: &[usize]) -> Vec<Vec<usize>> {
         let axes = self.axes.iter().enumerate();
-        axes.flat_map(|(i, axis)| {
-            let others = (0..axis.values.len()).filter(move |value| *value != at[i]);
-            others.map(move |value| {
-                let mut at = at.to_vec();
-                at[i] = value;
-                at
+        axes.filter(|(i, _)| self.applies(*i, at))
+            .flat_map(|(i, axis)| {
+                let others = (0..axis.values.len()).filter(move |value| *value != at[i]);
+                others.map(move |value| {
+                    let mut at = at.to_vec();
+                    at[i] = value;
+                    self.settled(at)
+                })
             })
-        })
-        .collect()
+            .collect()
     }
 }

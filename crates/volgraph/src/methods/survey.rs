@@ -1,6 +1,6 @@
 //! Going through a space of methods: all of a small one, of a large one what may be on the front.
 //!
-//! First every method gets a few frames. Of a large space these are the classification, the traversal and the step in all
+//! First every method gets a few frames. Of a large space these are the renderer, the classification, the traversal and the step in all
 //! combinations, and each other setting alone; then the neighbours of whatever is near the front, until there are no new
 //! ones or a part of the time is over. What is near the front at the end is timed for longer, the nearest first, until the
 //! time is over. Methods are taken in small batches, so that the time is passed by one batch at most.
@@ -19,9 +19,10 @@ use super::front::{front, near_front};
 use super::measurement::{Measurement, Method};
 use super::space::MethodSpace;
 use super::stand::{Stand, alternate};
+use crate::renderer::RENDERER;
 
 /// The settings that a large space is first looked at in all combinations of.
-const PLANE: [&str; 3] = ["classify", "traverse", "step"];
+const PLANE: [&str; 4] = [RENDERER, "classify", "traverse", "step"];
 
 /// Share of the time after which no new methods are looked for.
 const SCOUTING_SHARE: f64 = 0.6;

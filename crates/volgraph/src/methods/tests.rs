@@ -17,6 +17,7 @@ fn axis(name: &str, values: &[f64], base: usize) -> Axis {
             .map(|value| ParamValue::Float(*value))
             .collect(),
         base,
+        is_software: false,
     }
 }
 
@@ -134,6 +135,9 @@ fn the_space_of_a_plan_has_what_its_raycast_offers() {
     assert_eq!(base.text("volume_storage"), "r16float");
 
     let narrow = of("classify=post traverse=uniform step=0.5,2 reconstruct=trilinear stage=compute volume_storage=r8unorm early_termination=0 table_size=1024,2048").unwrap();
+    // Two by the raycast's step and two by its table, and the software raycaster has both as well.
+    assert_eq!(narrow.len(), 8);
+    let narrow = of("renderer=device classify=post traverse=uniform step=0.5,2 reconstruct=trilinear stage=compute volume_storage=r8unorm early_termination=0 table_size=1024,2048").unwrap();
     assert_eq!(narrow.len(), 4);
     assert!(narrow.axes.iter().any(|axis| axis.name == "table_size"));
     for (wrong, code) in [
@@ -142,11 +146,93 @@ fn the_space_of_a_plan_has_what_its_raycast_offers() {
         ("step=-1", "bad-methods"),
         ("stage=gpu", "bad-methods"),
         ("classify=1..2", "bad-methods"),
+        ("renderer=gpu", "bad-methods"),
+        // It knows no other reconstruction.
+        ("renderer=software reconstruct=tricubic", "bad-methods"),
     ] {
         let findings = of(wrong).unwrap_err();
         assert_eq!(findings.sorted()[0].code, code, "{wrong}");
     }
     assert_eq!(harness_volume(&scene.desc), Some("ml"));
+}
+
+#[test]
+fn the_software_raycaster_is_a_method_where_it_draws_the_same_picture() {
+    let of = |sets: &[&str], filters: &str| {
+        let params = sets
+            .iter()
+            .map(|set| crate::ParamOverride::parse(set).unwrap());
+        let overrides = crate::Overrides {
+            params: params.collect(),
+            ..crate::Overrides::default()
+        };
+        let folders = crate::ShaderFolders::default();
+        let path = std::path::Path::new("embedded:/graphs/comparison.ron");
+        let registry = crate::registry();
+        let scene =
+            crate::Scene::load(path, &overrides, &folders, registry, &crate::NoProgress).unwrap();
+        let plan = crate::truth::plan_without_device(&scene, [16, 16]).unwrap();
+        let filters = parse_filters(filters).unwrap();
+        MethodSpace::of(&plan, &folders.roots(None), &scene.registry, &filters).unwrap()
+    };
+    let space = of(&[], "step=2 early_termination=0");
+    let base = space.base();
+    assert_eq!((space.axes[0].name.as_str(), base[0]), ("renderer", 0));
+    assert!(!space.method(&base).is_software());
+    let all = space.product(&base, |_| true);
+    assert_eq!(all.len(), space.len());
+    let named: Vec<String> = all.iter().map(|at| space.method(at).to_string()).collect();
+    let software: Vec<&String> = named
+        .iter()
+        .filter(|it| it.starts_with("software"))
+        .collect();
+    let wanted = [
+        "software classify=integral_1d attenuation=exact traverse=skip step=2.0 early_termination=0.0",
+        "software classify=integral_1d attenuation=exact traverse=uniform step=2.0 early_termination=0.0",
+        "software classify=integral_1d attenuation=four_lines traverse=skip step=2.0 early_termination=0.0",
+        "software classify=integral_1d attenuation=four_lines traverse=uniform step=2.0 early_termination=0.0",
+        "software classify=post traverse=skip step=2.0 early_termination=0.0",
+        "software classify=post traverse=uniform step=2.0 early_termination=0.0",
+    ];
+    assert_eq!(software, wanted);
+    let distinct: std::collections::BTreeSet<&String> = named.iter().collect();
+    assert_eq!(distinct.len(), named.len());
+    // Another renderer is a neighbour, and from there the way back is to the base.
+    let there = space.neighbours(&base);
+    let there = there
+        .iter()
+        .find(|at| space.method(at).is_software())
+        .unwrap();
+    let back = space.neighbours(there);
+    assert!(back.contains(&base) && back.iter().all(|at| all.contains(at)));
+    // Where it does not draw the same picture, it is no method.
+    let has = |sets: &[&str], filters: &str| {
+        let space = of(sets, filters);
+        space
+            .axes
+            .iter()
+            .any(|axis| axis.is_software || axis.name == "renderer")
+    };
+    assert!(has(&[], ""));
+    assert!(!has(&["image.slots.technique=mip"], ""));
+    assert!(!has(
+        &["image.slots.classify=post"],
+        "classify=preintegrated_2d"
+    ));
+    assert!(!has(&[], "reconstruct=tricubic"));
+    // A software raycast has its own.
+    let own = of(&["image.renderer=software"], "");
+    let names: Vec<&str> = own.axes.iter().map(|axis| axis.name.as_str()).collect();
+    assert_eq!(
+        names,
+        [
+            "classify",
+            "attenuation",
+            "traverse",
+            "step",
+            "early_termination"
+        ]
+    );
 }
 
 const TABLE: &str = "\

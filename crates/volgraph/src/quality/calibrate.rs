@@ -1,6 +1,6 @@
 //! Drawing small views to find the method for a budget.
 //!
-//! For each way to classify, the longest step that keeps an error budget is searched (`search`), or the step that fills a
+//! For each way to classify, on the device and by the software raycaster, the longest step that keeps an error budget is searched (`search`), or the step that fills a
 //! time; those that are inside race each other. Storages of the volume are only tried with the way that came out best,
 //! from its step on. A time that is promised is measured once more, at the picture's own size.
 
@@ -9,11 +9,13 @@ use std::sync::Arc;
 use volgraph_gpu::Gpu;
 use volgraph_graph::{Budget, Plan};
 use volgraph_report::{Finding, Findings};
+use volgraph_shader::ParamValue;
 
 use super::Chosen;
 use super::search::{self, COARSEST, FINEST};
 use super::trial::{Entrant, SHARE, STEP, Trial, Way};
 use crate::methods::{Axis, MethodSpace};
+use crate::renderer::{RENDERER, SOFTWARE};
 use crate::scene::Scene;
 use crate::session::SessionOptions;
 
@@ -51,7 +53,7 @@ pub(super) fn calibrate(
     };
     let axis = |name: &str| {
         let mut axes = space.axes.iter();
-        axes.find(|axis| axis.name == name && !is_held(name))
+        axes.find(|axis| axis.name == name && !axis.is_software && !is_held(name))
     };
     let (classify, storage) = (axis(CLASSIFY), axis(STORAGE));
     let has_step = axis(STEP).is_some();
@@ -60,13 +62,20 @@ pub(super) fn calibrate(
     }
     let mut trial = Trial::new(scene, gpu, options, node, budget, has_step)?;
     let base = own(&Way::default(), storage);
-    let ways: Vec<Way> = match classify {
+    let mut ways: Vec<Way> = match classify {
         Some(axis) => axis.values.iter().map(|it| base.with(axis, it)).collect(),
         None => vec![base],
     };
+    // What is set of the raycast by name is not the software raycaster's.
+    if [CLASSIFY, "traverse", RENDERER]
+        .iter()
+        .all(|name| !is_held(name))
+    {
+        ways.extend(software_ways(&space));
+    }
     let found = entrants(&mut trial, ways, 1.0, budget);
     let mut best = winner(&mut trial, found, budget)?;
-    if let Some(axis) = storage {
+    if let Some(axis) = storage.filter(|_| !best.way.is_software()) {
         let others = axis.values.iter().enumerate();
         let others = others.filter(|(at, _)| *at != axis.base);
         let ways = others.map(|(_, value)| best.way.with(axis, value));
@@ -96,6 +105,21 @@ pub(super) fn calibrate(
         is_kept: false,
         overruled: Vec::new(),
     }))
+}
+
+/// The ways of the software raycaster, where it draws the same picture.
+fn software_ways(space: &MethodSpace) -> Vec<Way> {
+    let axis = |name: &str, is_software: bool| {
+        let mut axes = space.axes.iter();
+        axes.find(|axis| axis.name == name && axis.is_software == is_software)
+    };
+    let software = ParamValue::Text(SOFTWARE.to_owned());
+    let (Some(renderer), Some(classify)) = (axis(RENDERER, false), axis(CLASSIFY, true)) else {
+        return Vec::new();
+    };
+    let values = classify.values.iter();
+    let base = Way::default().with(renderer, &software);
+    values.map(|value| base.with(classify, value)).collect()
 }
 
 /// A way with the graph's own value of an axis, by name.

@@ -19,6 +19,7 @@ use crate::methods::{
     timed_frame, turned,
 };
 use crate::overrides::ParamOverride;
+use crate::renderer;
 use crate::scene::Scene;
 use crate::session::{Change, Outcome, Session, SessionOptions};
 use crate::truth::TruthOptions;
@@ -60,6 +61,11 @@ impl Way {
         let mut settings = self.settings.clone();
         settings.extend(step.map(step_setting));
         Method { settings }
+    }
+
+    /// Whether the software raycaster draws it.
+    pub fn is_software(&self) -> bool {
+        self.method(None).is_software()
     }
 
     pub fn with(&self, axis: &Axis, value: &ParamValue) -> Self {
@@ -398,9 +404,10 @@ impl Frames for Turning {
 /// A scene whose raycast is compared in one stage: software drivers are fastest in it, and each session would find that
 /// out anew. What the graph states is held.
 fn in_one_stage(scene: &Scene, node: &str, is_software: bool) -> Result<Scene, Findings> {
+    // The software raycaster has none.
     let is_stated = |name: &str| {
         let desc = scene.desc.nodes.get(node);
-        desc.is_some_and(|desc| desc.params.contains_key(name))
+        desc.is_some_and(|desc| desc.params.contains_key(name) || renderer::is_software(&desc.kind))
     };
     let stage = Method {
         settings: vec![Setting {

@@ -62,21 +62,43 @@ fn a_chart_has_a_row_a_point_and_pictures_for_each_method() {
         &[],
     );
     let survey = &json["charts"][0]["survey"];
-    assert_eq!(survey["product"], 4);
-    assert_eq!(survey["measured"].as_array().unwrap().len(), 4, "{survey}");
+    // The software raycaster draws the post-classified ones as well.
+    assert_eq!(survey["product"], 6);
+    assert_eq!(survey["measured"].as_array().unwrap().len(), 6, "{survey}");
     assert_eq!(json["charts"][0]["truth"], "reference");
     assert!(json["charts"][0]["truth_seconds"].as_f64().unwrap() > 0.0);
     let table = text(&scratch, "out/ball.csv");
     let rows: Vec<&str> = table.lines().collect();
-    assert_eq!(rows.len(), 1 + 4);
+    assert_eq!(rows.len(), 1 + 6);
     assert!(rows[0].starts_with(
-        "classify,traverse,reconstruct,volume_storage,stage,step,early_termination,front,"
+        "renderer,classify,traverse,reconstruct,volume_storage,stage,step,early_termination,front,"
     ));
-    assert!(rows[1].starts_with("post,uniform,trilinear,r16float,compute,1.0,0.0,"));
+    assert!(rows[1].starts_with("device,post,uniform,trilinear,r16float,compute,1.0,0.0,"));
+    let column = |row: &str, name: &str| -> String {
+        let at = rows[0].split(',').position(|it| it == name).unwrap();
+        row.split(',').nth(at).unwrap().to_owned()
+    };
+    // Both renderers have the error of the method alone.
+    for step in ["1.0", "2.0"] {
+        let of = |renderer: &str| -> f64 {
+            let is_it = |row: &&&str| {
+                ["renderer", "classify", "step"].map(|name| column(row, name))
+                    == [renderer, "post", step]
+            };
+            column(rows.iter().find(is_it).unwrap(), "rmse")
+                .parse()
+                .unwrap()
+        };
+        let (device, software) = (of("device"), of("software"));
+        assert!(
+            (device - software).abs() < 1e-4,
+            "{step}: {device} {software}"
+        );
+    }
     let chart = text(&scratch, "out/ball.svg");
     assert!(chart.contains("currentColor") && !chart.contains("#010101"));
     let page = text(&scratch, "out/index.html");
-    assert_eq!(page.matches("class=\"hit\"").count(), 4);
+    assert_eq!(page.matches("class=\"hit\"").count(), 6);
     assert!(page.contains("early termination") && page.contains("A &lt;ball&gt; in mist"));
     // Nothing is read from elsewhere.
     assert!(
@@ -84,7 +106,7 @@ fn a_chart_has_a_row_a_point_and_pictures_for_each_method() {
             .replace("http://www.w3.org/2000/svg", "")
             .contains("http")
     );
-    for number in 1..=4 {
+    for number in 1..=6 {
         for file in [
             format!("out/ball/{number:03}.png"),
             format!("out/ball/{number:03}-error.png"),
@@ -125,7 +147,7 @@ fn refused_methods_are_listed_with_the_reason() {
     scratch.write("broken.wgsl", "fn classify_segment() { return nothing; }\n");
     let json = chart(
         &scratch,
-        &format!("classify=post,./broken.wgsl {METHODS}"),
+        &format!("renderer=device classify=post,./broken.wgsl {METHODS}"),
         &[],
     );
     let survey = &json["charts"][0]["survey"];

@@ -103,15 +103,34 @@ impl Exhibit {
         front(&points)
     }
 
+    /// The names of the axes, each once: renderers may have settings of one name.
+    pub fn columns(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for axis in &self.space.axes {
+            if !names.contains(&axis.name.as_str()) {
+                names.push(&axis.name);
+            }
+        }
+        names
+    }
+
+    /// Whether any axis of a name has more than one value.
+    fn is_varied(&self, name: &str) -> bool {
+        let mut axes = self.space.axes.iter().filter(|axis| axis.name == name);
+        axes.any(|axis| axis.values.len() > 1)
+    }
+
     /// The axes that have more than one value.
     pub fn varied(&self) -> Vec<&str> {
-        let axes = self.space.axes.iter().filter(|axis| axis.values.len() > 1);
-        axes.map(|axis| axis.name.as_str()).collect()
+        let mut names = self.columns();
+        names.retain(|name| self.is_varied(name));
+        names
     }
 
     /// The settings that all methods share.
     pub fn shared(&self) -> Vec<String> {
-        let axes = self.space.axes.iter().filter(|axis| axis.values.len() == 1);
+        let axes = self.space.axes.iter();
+        let axes = axes.filter(|axis| !axis.is_software && !self.is_varied(&axis.name));
         axes.map(|axis| format!("{}={}", axis.name, axis.values[0]))
             .collect()
     }
@@ -119,7 +138,9 @@ impl Exhibit {
     /// A method by its values on the axes that are given.
     pub fn label(&self, measured: &Measurement, axes: &[&str]) -> String {
         let values = axes.iter().map(|axis| short(&measured.method.text(axis)));
-        values.collect::<Vec<_>>().join(" · ")
+        // Not every renderer has all settings.
+        let values: Vec<String> = values.filter(|value| !value.is_empty()).collect();
+        values.join(" · ")
     }
 
     /// The peers against the methods.

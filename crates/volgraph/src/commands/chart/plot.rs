@@ -2,6 +2,8 @@
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use volgraph::methods::Method;
+use volgraph::renderer::RENDERER;
 use volgraph::{Finding, Findings};
 
 use crate::commands::drawing::{self, Axis, GRID, INK};
@@ -77,7 +79,7 @@ fn plotted(exhibit: &Exhibit) -> Result<Plot, Box<dyn std::error::Error>> {
             .draw()?;
         let at = |i: usize| (measured[i].steady_ms, metric.of(&measured[i]));
         let color = |i: usize| {
-            let value = measured[i].method.text(&group);
+            let value = group_of(&measured[i].method, &group);
             let known = colors.iter().position(|known| *known == value);
             drawing::color(known.unwrap_or(0))
         };
@@ -160,9 +162,25 @@ fn groups(exhibit: &Exhibit) -> (String, Vec<String>) {
         .find(|name| varied.contains(name))
         .or(varied.first().copied())
         .unwrap_or("classify");
-    let axis = exhibit.space.axes.iter().find(|axis| axis.name == group);
-    let values = axis.map(|axis| axis.values.iter().map(ToString::to_string).collect());
-    (group.to_owned(), values.unwrap_or_default())
+    let axes = exhibit.space.axes.iter().filter(|axis| axis.name == group);
+    let values = axes.flat_map(|axis| {
+        let values = axis.values.iter();
+        values.map(|value| group_name(&value.to_string(), axis.is_software))
+    });
+    (group.to_owned(), values.collect())
+}
+
+fn group_name(value: &str, is_software: bool) -> String {
+    let software = if is_software { "software " } else { "" };
+    format!("{software}{value}")
+}
+
+/// The group of a method: what the software raycaster draws is one of its own.
+fn group_of(method: &Method, group: &str) -> String {
+    group_name(
+        &method.text(group),
+        method.is_software() && group != RENDERER,
+    )
 }
 
 /// The axes on which methods of the front differ.

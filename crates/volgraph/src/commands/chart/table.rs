@@ -1,5 +1,7 @@
 //! All measurements of a graph as comma separated values, a row for each method; of those that were refused the reason.
 
+use volgraph::methods::Method;
+use volgraph::renderer::{DEVICE, RENDERER};
 use volgraph::{Finding, Findings};
 
 use super::exhibit::Exhibit;
@@ -32,13 +34,21 @@ pub fn csv(exhibit: &Exhibit) -> Result<String, Findings> {
     rows(exhibit).map_err(|error| Finding::error("chart-table", error.to_string()).into())
 }
 
+/// A method's settings; the renderer in words.
+fn settings(axes: &[&str], method: &Method) -> Vec<String> {
+    let value = |axis: &&str| match method.text(axis) {
+        text if *axis == RENDERER && text.is_empty() => DEVICE.to_owned(),
+        text => text,
+    };
+    axes.iter().map(value).collect()
+}
+
 fn rows(exhibit: &Exhibit) -> Result<String, Box<dyn std::error::Error>> {
     let mut table = csv::Writer::from_writer(Vec::new());
-    let axes = exhibit.space.axes.iter().map(|axis| axis.name.as_str());
-    table.write_record(axes.chain(FIGURES))?;
+    let axes = exhibit.columns();
+    table.write_record(axes.iter().copied().chain(FIGURES))?;
     for measured in &exhibit.survey.measured {
-        let settings = measured.method.settings.iter();
-        let mut row: Vec<String> = settings.map(|it| it.value.to_string()).collect();
+        let mut row = settings(&axes, &measured.method);
         row.push(u8::from(measured.is_front).to_string());
         row.push(u8::from(measured.is_refined).to_string());
         let (time, ratio) = (&measured.time_ms, &measured.ratio);
@@ -62,8 +72,7 @@ fn rows(exhibit: &Exhibit) -> Result<String, Box<dyn std::error::Error>> {
         table.write_record(row)?;
     }
     for (method, why) in &exhibit.survey.refused {
-        let settings = method.settings.iter();
-        let mut row: Vec<String> = settings.map(|it| it.value.to_string()).collect();
+        let mut row = settings(&axes, method);
         row.extend(FIGURES[1..].iter().map(|_| String::new()));
         row.push(why.clone());
         table.write_record(row)?;

@@ -20,6 +20,7 @@ fn exhibit() -> Exhibit {
                 ParamValue::Text("</script>".to_owned()),
             ],
             base: 0,
+            is_software: false,
         }],
     };
     let summary = |median: f64| Summary {
