@@ -15,12 +15,14 @@ pub mod grid;
 pub mod lanes;
 mod packet;
 pub mod raycast;
+pub mod shear_warp;
 pub mod tables;
 mod walk;
 
 pub use empty::DistanceMap;
 pub use grid::VoxelGrid;
 pub use raycast::Raycast;
+pub use shear_warp::ShearWarp;
 pub use tables::{Attenuation, Classify, Tables, Units};
 
 /// Why there is no picture.
