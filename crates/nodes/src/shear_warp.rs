@@ -99,9 +99,9 @@ impl NodeKind for ShearWarp {
             ),
             ParamSpec::choice(
                 "lookup",
-                &["nearest", "bilinear"],
-                "nearest",
-                "How the pre-integrated table is read: its nearest entry, or between four.",
+                &["bilinear", "nearest"],
+                "bilinear",
+                "How the pre-integrated table is read: between four entries, or its nearest one.",
             ),
             ParamSpec::choice(
                 "correction",
@@ -123,7 +123,7 @@ impl NodeKind for ShearWarp {
             ),
             ParamSpec::int(
                 "table_size",
-                512,
+                256,
                 "Entries of the pre-integrated table along each side.",
             )
             .range(64.0, 4096.0),

@@ -64,8 +64,8 @@ impl ShearDrawing {
                 _ => SlabClassify::Preintegrated,
             },
             lookup: match node.text("lookup") {
-                "bilinear" => Lookup::Bilinear,
-                _ => Lookup::Nearest,
+                "nearest" => Lookup::Nearest,
+                _ => Lookup::Bilinear,
             },
             correction: match node.text("correction") {
                 "scaled" => Correction::Scaled,
