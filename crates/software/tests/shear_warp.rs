@@ -467,3 +467,24 @@ fn what_is_behind_shows_through_and_beside() {
         behind
     );
 }
+
+/// Across slices scalars are linear from slice to slice, and these are entries of the table: nothing is approximated but
+/// by f32. Dense matter tells the front of a slab from its back.
+#[test]
+fn slabs_across_slices_are_exact_from_both_sides() {
+    let values = [0_u8, 255, 30, 200].into_iter();
+    let voxels: Vec<u8> = values.flat_map(|value| [value; 64]).collect();
+    let grid = Grid::axis_aligned([8, 8, 4], DVec3::ONE, DVec3::new(-3.5, -3.5, -1.5));
+    let dense = "(domain: range, points: [(at: 0, color: (0.1, 0.2, 0.9), opacity: 0.1),
+        (at: 0.5, color: (0.2, 0.9, 0.1), opacity: 0), (at: 1, color: (1, 0.2, 0.1), opacity: 0.95)])";
+    let stand = Stand::new(Volume::new("v", grid, voxels.into()).unwrap(), dense);
+    for from in [DVec3::Z, DVec3::NEG_Z] {
+        let rays = rays(from, 2.0, [6, 6]);
+        let truth = stand.truth(rays);
+        for lookup in [Lookup::Nearest, Lookup::Bilinear] {
+            let drawn = stand.draw(Asked { lookup, ..ASKED }, &rays);
+            let error = error(&drawn, &truth);
+            assert!(error < 2e-6, "{from} {lookup:?} {error}");
+        }
+    }
+}
