@@ -51,7 +51,7 @@ pub fn graph_file(name: &str) -> PathBuf {
 }
 
 /// Ready graphs that need no file, by what they show; tests of each group run side by side.
-pub const GROUPS: [(&str, &[&str]); 5] = [
+pub const GROUPS: [(&str, &[&str]); 6] = [
     ("solids", SOLIDS),
     ("volumes", VOLUMES),
     ("parts and projections", PARTS_AND_PROJECTIONS),
@@ -108,7 +108,8 @@ pub const PARTS_AND_PROJECTIONS: &[&str] = &[
 pub const COMPARISONS: &[&str] = &["difference", "error"];
 
 /// Drawn on the processor: they have no stages.
-pub const SOFTWARE: &[&str] = &["software"];
+pub const SOFTWARE: &[&str] = &["shear_warp", "software"];
+
 /// Emission and absorption by other renderers than the raycast.
 pub const RENDERERS: &[&str] = &["multipass", "slices"];
 
