@@ -14,6 +14,7 @@ mod rows;
 mod runs;
 mod scanline;
 mod shear;
+mod slab;
 mod slices;
 mod table;
 mod warp;

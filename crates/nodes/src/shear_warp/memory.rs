@@ -24,11 +24,14 @@ struct Remembered {
     slices: Vec<(Weak<Volume>, Arc<Slices>)>,
     runs: Vec<(Weak<Volume>, usize, Hidden, Arc<Runs>)>,
     tables: Vec<(TableKey, Arc<SlabTable>)>,
-    behind: Vec<(Background, Lens, Arc<Vec<[f32; 4]>>)>,
+    behind: Vec<(Background, Lens, Pixels)>,
 }
 
 /// What a background's pixels depend on: half extent and size.
 type Lens = ([u64; 2], [u32; 2]);
+
+/// Colours in rows from the top.
+type Pixels = Arc<Vec<[f32; 4]>>;
 
 #[derive(Debug)]
 struct TableKey {

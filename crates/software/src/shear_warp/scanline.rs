@@ -2,39 +2,13 @@
 
 use glam::DVec3;
 
+use super::ShearWarp;
 use super::rows::{State, without};
 use super::shear::{Frame, Shear};
+use super::slab::{Plane, Slab, slabs};
 use super::slices::{Voxel, between, trilinear};
 use super::table::{SlabClassify, shortened};
-use super::{BufferSlice, ShearWarp};
 use crate::lanes::{COUNT, Lanes};
-
-/// What lies between two planes.
-struct Slab {
-    /// The slices of its planes, which may lie between those of the volume.
-    low: f64,
-    high: f64,
-    /// Where scalars are taken.
-    front: Plane,
-    back: Plane,
-    /// Its place among the slabs of runs.
-    of_runs: usize,
-    /// The coordinates between which rays are in the box from plane to plane, and at all.
-    whole: [f64; 2],
-    any: [f64; 2],
-}
-
-/// A plane that scalars are taken in.
-#[derive(Clone, Copy)]
-struct Plane {
-    slice: f64,
-    /// The slices of voxels before and after it.
-    between: (usize, usize, f32),
-    /// Where the first pixel of rows is among voxels.
-    start: f64,
-    /// Where its buffer begins, but for pixels beside the box.
-    buffer: isize,
-}
 
 /// The way of all rows.
 pub(super) struct Scan<'a, L, T> {
@@ -66,69 +40,18 @@ impl<'a, L: Lanes, T: Voxel> Scan<'a, L, T> {
         frame: &'a Frame,
         values: &'a [T],
     ) -> Self {
-        let per_slice = f64::from(it.slices_per_voxel);
-        let is_post = it.table.classify == SlabClassify::Post;
-        // Samples of slices lie in the middle of what they stand for.
-        let offset = if is_post { -0.5 } else { 0.0 };
-        let first = ((shear.low[2] - offset) * per_slice).floor() as i64;
-        let last = ((shear.high[2] - offset) * per_slice).ceil() as i64;
-        let dims = it.slices.dims;
-        let [low, high] = [shear.low[0], shear.high[0]];
-        let of_slice = ((high - low) * frame.scale).ceil() as usize + 3;
-        let buffer = match it.buffer {
-            BufferSlice::Slice => 2 * of_slice + 2 * COUNT,
-            BufferSlice::Image => frame.width + 2 * COUNT,
-        };
-        let plane = |slice: f64, at: usize| Plane {
-            slice,
-            between: between(slice, dims[2]),
-            start: frame.first[0] + slice * shear.slope[0],
-            buffer: match it.buffer {
-                BufferSlice::Image => 0,
-                BufferSlice::Slice => {
-                    let before = low - slice * shear.slope[0] - frame.first[0];
-                    (at % 2 * of_slice) as isize - (before * frame.scale).floor() as isize
-                }
-            },
-        };
-        let slab = |order: usize, at: i64| {
-            let [from, to] = [at, at + 1].map(|at| at as f64 / per_slice + offset);
-            let middle = 0.5 * (from + to);
-            let ends = [from, to].map(|slice| slice * shear.slope[0]);
-            let [less, more] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
-            let [front, back] = match (is_post, shear.is_rising) {
-                (true, _) => [middle; 2],
-                (_, true) => [from, to],
-                _ => [to, from],
-            };
-            Slab {
-                low: from,
-                high: to,
-                front: plane(front, order),
-                back: plane(back, order + 1),
-                of_runs: ((middle + 1.0).floor().max(0.0) as usize).min(dims[2]),
-                whole: [low - less, high - more],
-                any: [low - more, high - less],
-            }
-        };
-        let count = (last - first).max(0);
-        let slabs = (0..count)
-            .enumerate()
-            .map(|(order, i)| match shear.is_rising {
-                true => slab(order, first + i),
-                false => slab(order, last - 1 - i),
-            });
+        let (slabs, buffer) = slabs(it, shear, frame);
         Self {
             l,
             it,
             shear,
             frame,
             values,
-            dims,
-            slabs: slabs.collect(),
+            dims: it.slices.dims,
+            slabs,
             buffer,
             is_unit: frame.scale == 1.0,
-            is_post,
+            is_post: it.table.classify == SlabClassify::Post,
         }
     }
 
