@@ -36,6 +36,7 @@ mod renderers;
 mod segment_files;
 mod segments;
 mod shader_cases;
+mod shear_warp;
 mod skipping;
 mod snapshots;
 mod stress;

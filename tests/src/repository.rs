@@ -109,7 +109,7 @@ pub const PARTS_AND_PROJECTIONS: &[&str] = &[
 pub const COMPARISONS: &[&str] = &["difference", "error"];
 
 /// Drawn on the processor: they have no stages.
-pub const SOFTWARE: &[&str] = &["software"];
+pub const SOFTWARE: &[&str] = &["shear_warp", "software"];
 
 /// Emission and absorption by other renderers than the raycast, and the limit that it is measured against.
 pub const RENDERERS: &[&str] = &["fetch_only", "multipass", "slices"];

@@ -32,6 +32,7 @@ pub mod raycast;
 pub mod reference;
 pub mod refraction_table;
 pub mod segmentation;
+pub mod shear_warp;
 pub mod slices;
 pub mod software_raycast;
 pub mod source;
@@ -45,7 +46,7 @@ use volgraph_graph::Registry;
 /// reference computes what their pictures should be.
 #[must_use]
 pub fn draws_volumes(kind: &str) -> bool {
-    ["raycast", "slices", "multipass_raycast"].contains(&kind)
+    ["raycast", "slices", "multipass_raycast", "shear_warp"].contains(&kind)
 }
 
 /// All of volgraph's own kinds.
@@ -88,6 +89,7 @@ pub fn registry() -> Registry {
         .add_node(legend::Legend)
         .add_node(difference::Difference)
         .add_node(reference::Reference)
-        .add_node(software_raycast::SoftwareRaycast::default());
+        .add_node(software_raycast::SoftwareRaycast::default())
+        .add_node(shear_warp::ShearWarp::default());
     registry
 }

@@ -16,12 +16,14 @@ pub mod lanes;
 mod packet;
 pub mod raycast;
 mod scout;
+pub mod shear_warp;
 pub mod tables;
 mod walk;
 
 pub use empty::DistanceMap;
 pub use grid::VoxelGrid;
 pub use raycast::Raycast;
+pub use shear_warp::ShearWarp;
 pub use tables::{Attenuation, Classify, Tables, Units};
 
 /// Why there is no picture.

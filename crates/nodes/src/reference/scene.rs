@@ -14,6 +14,7 @@ use super::looks::{look, window};
 use super::space::{clip, half_side};
 use super::values::Values;
 use crate::placement;
+use crate::shear_warp::ShearWarp;
 use crate::software_raycast::{self, SoftwareRaycast};
 
 /// The rays of a view.
@@ -37,6 +38,10 @@ pub fn rays(view: &View) -> Rays {
 /// `not-covered` where the reference does not know how to compute it; `missing-input`.
 pub fn raycast_scene(node: &NodeContext<'_>, view: &View) -> Result<Scene, Finding> {
     if node.kind_name() == SoftwareRaycast::default().name() {
+        return software_raycast::scene(node, view);
+    }
+    if node.kind_name() == ShearWarp::default().name() {
+        // The same matter; that its rays are parallel is the view's.
         return software_raycast::scene(node, view);
     }
     if !crate::draws_volumes(&node.kind_name()) {

@@ -25,15 +25,24 @@ const METHOD_SLOTS: [&str; 5] = [
 ];
 
 /// Parameters with choices that approximate one picture.
-const METHOD_CHOICES: [&str; 4] = ["volume_storage", "stage", "format", "steps_per_pass"];
+const METHOD_CHOICES: [&str; 6] = [
+    "volume_storage",
+    "stage",
+    "format",
+    "steps_per_pass",
+    "slab_classify",
+    "lookup",
+];
 
 /// Those of the software raycaster; a raycast has slots of these names.
 pub(super) const SOFTWARE_CHOICES: [&str; 3] = ["classify", "attenuation", "traverse"];
 
 /// Numbers that do, and the multiples of the default that are compared.
-pub(super) const METHOD_NUMBERS: [(&str, &[f64]); 2] = [
+pub(super) const METHOD_NUMBERS: [(&str, &[f64]); 4] = [
     ("step", &[0.25, 0.5, 1.0, 2.0, 4.0]),
     ("early_termination", &[0.0, 1.0, 16.0]),
+    ("scale", &[0.5, 1.0, 2.0, 4.0]),
+    ("slices_per_voxel", &[1.0, 2.0, 4.0]),
 ];
 
 /// A choice that only picks one of the others.
@@ -228,19 +237,27 @@ pub(super) fn numbers(
     multiples: &[f64],
     own: Option<ParamValue>,
 ) -> Vec<ParamValue> {
-    let ParamValue::Float(default) = spec.default else {
-        return Vec::new();
+    let of_default = |multiple: f64| match spec.default {
+        ParamValue::Float(default) => Some(ParamValue::Float(default * multiple)),
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_precision_loss,
+            reason = "parameters are small"
+        )]
+        ParamValue::Int(default) => Some(ParamValue::Int((default as f64 * multiple) as i64)),
+        _ => None,
     };
     let mut values = Vec::new();
-    for multiple in multiples {
-        add(
-            &mut values,
-            spec.check(&ParamValue::Float(default * multiple)).ok(),
-        );
+    for value in multiples.iter().filter_map(|by| of_default(*by)) {
+        add(&mut values, spec.check(&value).ok());
+    }
+    if values.is_empty() {
+        return values;
     }
     add(&mut values, own);
     values.sort_by(|a, b| match (a, b) {
         (ParamValue::Float(a), ParamValue::Float(b)) => a.total_cmp(b),
+        (ParamValue::Int(a), ParamValue::Int(b)) => a.cmp(b),
         _ => std::cmp::Ordering::Equal,
     });
     values

@@ -86,7 +86,10 @@ impl MethodSpace {
         let id = raycast_node(plan)?;
         let node = &plan.graph.nodes[id];
         let mut specs = node.specs();
-        specs.extend(specs_of_choices(roots, registry, &specs));
+        // A renderer without slots has no choices that could bring parameters.
+        if !node.slots.is_empty() {
+            specs.extend(specs_of_choices(roots, registry, &specs));
+        }
         let offered = Offered {
             plan,
             node,
