@@ -263,7 +263,7 @@ impl Runner {
                     // Writes through the queue come before what is recorded but not submitted.
                     self.flush(recording);
                     let held = installation.output(id, port)?;
-                    self.upload(held, &bytes.make()?, name, installation.bytes())?;
+                    self.upload(held, bytes, name, installation.bytes())?;
                 }
                 Pass::Compute { .. } | Pass::ComputeIndirect { .. } => {
                     let bound =
