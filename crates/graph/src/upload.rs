@@ -27,7 +27,7 @@ enum Make {
 
 impl UploadBytes {
     /// No piece is larger, unless one layer is.
-    pub const PIECE_BYTES: u64 = 16 << 20;
+    pub const PIECE_BYTES: u64 = 8 << 20;
 
     /// Wraps the function that makes all of them at once.
     #[must_use]

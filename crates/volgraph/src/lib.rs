@@ -22,6 +22,7 @@ pub mod case;
 mod dependencies;
 pub mod embedded;
 pub mod folders;
+mod kept;
 pub mod metadata;
 pub mod methods;
 mod overrides;
