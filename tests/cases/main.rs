@@ -41,3 +41,4 @@ mod stress;
 mod sweep;
 mod tables;
 mod units;
+mod uploads;

@@ -51,7 +51,7 @@ pub fn graph_file(name: &str) -> PathBuf {
 }
 
 /// Ready graphs that need no file, by what they show; tests of each group run side by side.
-pub const GROUPS: [(&str, &[&str]); 5] = [
+pub const GROUPS: [(&str, &[&str]); 6] = [
     ("solids", SOLIDS),
     ("volumes", VOLUMES),
     ("parts and projections", PARTS_AND_PROJECTIONS),

@@ -18,6 +18,7 @@
 
 pub mod advise;
 pub mod bench;
+mod beside;
 pub mod case;
 mod dependencies;
 pub mod embedded;
@@ -35,6 +36,7 @@ pub mod stress;
 pub mod truth;
 pub mod verify;
 
+pub use beside::open_beside;
 pub use case::{Case, CaseOptions};
 pub use dependencies::Dependencies;
 pub use embedded::{EMBEDDED_GRAPHS, ReadyGraph, ready_graphs};
