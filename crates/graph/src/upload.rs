@@ -159,10 +159,10 @@ mod tests {
 
     #[test]
     fn layers_are_asked_for_once_in_order_and_in_bounded_pieces() {
-        // Layers of 5 MiB: three to a piece; one layer that is larger than a piece; one that is all there is.
+        // Layers of three eighths of a piece; ones that are larger than a piece; all in one piece; one of nothing.
         for (layers, layer_bytes, in_pieces) in [
-            (7, 5 << 20, vec![3, 3, 1]),
-            (2, 17 << 20, vec![1, 1]),
+            (5, UploadBytes::PIECE_BYTES * 3 / 8, vec![2, 2, 1]),
+            (2, UploadBytes::PIECE_BYTES + 1, vec![1, 1]),
             (40, 3, vec![40]),
             (1, 0, vec![1]),
         ] {
