@@ -15,6 +15,7 @@ mod hazards;
 mod isosurface_colors;
 mod isosurface_faces;
 mod isosurfaces;
+mod kept_choices;
 mod layers;
 mod light_volumes;
 mod lights;
