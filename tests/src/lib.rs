@@ -226,6 +226,8 @@ pub fn options(sets: &[&str], backend: &str, size: [u32; 2]) -> SessionOptions {
         size,
         overrides,
         with_layers: true,
+        // Each test measures for itself.
+        cache: None,
         ..SessionOptions::default()
     }
 }

@@ -13,6 +13,7 @@ mod installation;
 mod report;
 mod schedule;
 mod upload;
+mod variant;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -23,12 +24,14 @@ use wgpu::{AddressMode, FilterMode, Sampler, SamplerDescriptor};
 
 use crate::device::Gpu;
 use crate::error::GpuError;
+use crate::kept::{Keep, Kept};
 use crate::pipelines::Pipelines;
 use crate::pool::{Held, Wish, make, shared};
 use crate::readback::Staging;
 
 pub use installation::Installation;
 use schedule::must_run;
+use variant::{Chosen, variant_key};
 
 pub use report::{FrameReport, NodeReport};
 
@@ -40,19 +43,13 @@ struct Samplers {
     repeat: Sampler,
 }
 
-/// Which variant of a node is the fastest, and the times that say so, in milliseconds.
-#[derive(Clone, Debug)]
-struct Chosen {
-    variant: &'static str,
-    measured: BTreeMap<&'static str, f64>,
-}
-
 /// Runs installations of plans on one device, and remembers what is built already.
 pub struct Runner {
     gpu: Arc<Gpu>,
     pipelines: Pipelines,
     samplers: Samplers,
     staging: Staging,
+    kept: Kept,
     made: u64,
     reused: u64,
 }
@@ -92,9 +89,17 @@ impl Runner {
             pipelines: Pipelines::default(),
             samplers,
             staging: Staging::default(),
+            kept: Kept::default(),
             made: 0,
             reused: 0,
         }
+    }
+
+    /// The same, with a place for what is worth keeping between runs of the program; it looks there as well.
+    #[must_use]
+    pub fn keeping(mut self, keep: Option<Arc<dyn Keep>>) -> Self {
+        self.kept = Kept(keep);
+        self
     }
 
     /// The device.
@@ -126,7 +131,8 @@ impl Runner {
         view: &View,
         before: Option<&Installation>,
     ) -> Result<Installation, GpuError> {
-        let chosen = before.map_or_else(BTreeMap::new, |before| before.chosen.clone());
+        let mut chosen = before.map_or_else(BTreeMap::new, |before| before.chosen.clone());
+        self.recall(&mut chosen, &plan);
         for &id in &plan.order {
             if plan.graph.nodes[id].program.is_none() {
                 continue;
@@ -249,17 +255,4 @@ fn unwritten(
         }
     }
     taken
-}
-
-/// What a choice among variants depends on: the shaders' names, not their texts. A text that is being edited need not
-/// be measured anew each time.
-fn variant_key(plan: &Plan, id: NodeId) -> String {
-    let node = &plan.graph.nodes[id];
-    let choices: BTreeMap<&str, &str> = node
-        .slots
-        .iter()
-        .map(|(slot, choice)| (slot.as_str(), choice.choice.as_str()))
-        .collect();
-    let spec = node.program.as_ref().map(|program| &program.spec);
-    format!("{} {choices:?} {spec:?}", node.kind_name())
 }

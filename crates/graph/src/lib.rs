@@ -35,6 +35,7 @@ mod resource;
 pub mod size;
 mod source;
 pub mod sources;
+mod upload;
 
 pub use camera::{Camera, CameraDesc, Lens, Pose, Projection, View};
 pub use desc::{EdgeDesc, GraphDesc, NodeDesc, ParamDesc, SourceDesc};
@@ -46,10 +47,11 @@ pub use kind::{
 };
 pub use limits::Limits;
 pub use node_context::NodeContext;
-pub use pass::{Blend, Depth, Geometry, Mesh, Pass, Target, UploadBytes};
+pub use pass::{Blend, Depth, Geometry, Mesh, Pass, Target};
 pub use plan::{Allocation, Plan, PlanRequest};
 pub use planned::{PlannedBinding, PlannedNode, PlannedResource};
 pub use quality::{Budget, QualityDesc};
 pub use registry::Registry;
 pub use resource::{Extent, ResourceDesc, ResourceKind, Size};
 pub use source::{EMBEDDED_GRAPHS, Folders, Progress, Source, SourceKind, is_embedded};
+pub use upload::{FillLayers, Piece, Pieces, UploadBytes};

@@ -1,9 +1,6 @@
 //! What a node wants done in one frame, as data. One crate (`gpu`) turns it into wgpu calls.
 
-use std::fmt;
-use std::sync::Arc;
-
-use volgraph_report::Finding;
+use crate::upload::UploadBytes;
 
 /// One thing to do. Bindings are not listed: the runner reads from the linked shader which bindings the entry
 /// point uses and finds each by its name (port, uniform or sampler).
@@ -111,32 +108,4 @@ pub struct Mesh {
     pub port: &'static str,
     /// Number of vertices.
     pub vertices: u32,
-}
-
-type MakeBytes = dyn Fn() -> Result<Vec<u8>, Finding> + Send + Sync;
-
-/// Bytes made when they are needed, and not before.
-#[derive(Clone)]
-pub struct UploadBytes(Arc<MakeBytes>);
-
-impl UploadBytes {
-    /// Wraps the function that makes them.
-    #[must_use]
-    pub fn new(make: impl Fn() -> Result<Vec<u8>, Finding> + Send + Sync + 'static) -> Self {
-        Self(Arc::new(make))
-    }
-
-    /// Makes them.
-    ///
-    /// # Errors
-    /// What the maker found wrong.
-    pub fn make(&self) -> Result<Vec<u8>, Finding> {
-        (self.0)()
-    }
-}
-
-impl fmt::Debug for UploadBytes {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("UploadBytes")
-    }
 }

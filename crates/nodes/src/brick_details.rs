@@ -85,13 +85,18 @@ impl NodeKind for BrickDetails {
         let size = node.uint("brick_size");
         let source = node.source::<VolumeSource>("volume");
         let volume = source.map(|source| Arc::clone(&source.volume));
-        let bytes = UploadBytes::new(move || {
-            let details = volume
-                .as_ref()
-                .map(|volume| volume.brick_details(size, margin).details)
-                .unwrap_or_default();
-            let numbers = details.iter().flatten().map(|number| *number as f32);
-            Ok(numbers.flat_map(f32::to_le_bytes).collect())
+        let bytes = UploadBytes::by_layers(move || {
+            let volume = volume.clone();
+            Ok(Box::new(move |layers, texels| {
+                let details = volume
+                    .as_ref()
+                    .map(|volume| volume.brick_details_of(size, margin, layers))
+                    .unwrap_or_default();
+                for (texel, number) in texels.chunks_exact_mut(4).zip(details.iter().flatten()) {
+                    texel.copy_from_slice(&(*number as f32).to_le_bytes());
+                }
+                Ok(())
+            }))
         });
         Ok(vec![Pass::Upload {
             port: "details",

@@ -168,17 +168,19 @@ impl NodeKind for BrickRanges {
         let size = node.uint("brick_size");
         let source = node.source::<VolumeSource>("volume");
         let volume = source.map(|source| Arc::clone(&source.volume));
-        let bytes = UploadBytes::new(move || {
-            let ranges = volume
-                .as_ref()
-                .map(|volume| volume.brick_ranges(size, margin).ranges)
-                .unwrap_or_default();
-            // Storage keeps the order of scalars, so that these are the least and the largest that are read.
-            let stored = ranges
-                .iter()
-                .flatten()
-                .map(|scalar| encoding.stored(*scalar));
-            Ok(stored.flat_map(f32::to_le_bytes).collect())
+        let bytes = UploadBytes::by_layers(move || {
+            let volume = volume.clone();
+            Ok(Box::new(move |layers, texels| {
+                let ranges = volume
+                    .as_ref()
+                    .map(|volume| volume.brick_ranges_of(size, margin, layers))
+                    .unwrap_or_default();
+                // Storage keeps the order of scalars, so that these are the least and the largest that are read.
+                for (texel, scalar) in texels.chunks_exact_mut(4).zip(ranges.iter().flatten()) {
+                    texel.copy_from_slice(&encoding.stored(*scalar).to_le_bytes());
+                }
+                Ok(())
+            }))
         });
         Ok(vec![Pass::Upload {
             port: "ranges",

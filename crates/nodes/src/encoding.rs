@@ -5,11 +5,14 @@
 //! filtered in float on every adapter; 8-bit formats are filtered with 8-bit weights by software drivers. Wider
 //! ranges take single floats; where the device cannot filter those, shaders do it from loads.
 
+mod encoder;
+
 use half::f16;
-use rayon::prelude::*;
 use volgraph_graph::Limits;
-use volgraph_volume::{ScalarType, Volume, Voxels};
+use volgraph_volume::{ScalarType, Volume};
 use wgpu_types::TextureFormat;
+
+pub use encoder::Encoder;
 
 /// How a volume's scalars are stored in a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,27 +121,6 @@ impl Encoding {
             "hardware"
         }
     }
-
-    /// All voxels as texels, x fastest; what is not finite as [`Volume::drawn`] says.
-    #[must_use]
-    pub fn encode(&self, volume: &Volume) -> Vec<u8> {
-        let texel = |scalar: f64| self.texel(volume.drawn(scalar));
-        let voxels = volume.voxels();
-        match self.format {
-            TextureFormat::R8Unorm => match voxels {
-                Voxels::U8(values) if self.scale == 255.0 => values.clone(),
-                _ => encode(voxels, |scalar| [unorm8(texel(scalar))]),
-            },
-            TextureFormat::R16Float => {
-                encode(voxels, |scalar| f16::from_f64(texel(scalar)).to_le_bytes())
-            }
-            _ => encode(voxels, |scalar| {
-                #[expect(clippy::cast_possible_truncation, reason = "the texture holds f32")]
-                let value = texel(scalar) as f32;
-                value.to_le_bytes()
-            }),
-        }
-    }
 }
 
 #[expect(
@@ -150,17 +132,10 @@ fn unorm8(texel: f64) -> u8 {
     (texel * 255.0).round().clamp(0.0, 255.0) as u8
 }
 
-fn encode<const N: usize>(voxels: &Voxels, texel: impl Fn(f64) -> [u8; N] + Sync) -> Vec<u8> {
-    (0..voxels.len())
-        .into_par_iter()
-        .flat_map_iter(|at| texel(voxels.get(at)))
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
-    use volgraph_volume::Grid;
+    use volgraph_volume::{Grid, Voxels};
 
     use super::*;
 
@@ -172,6 +147,13 @@ mod tests {
             voxels,
         )
         .unwrap()
+    }
+
+    fn encoded(encoding: &Encoding, volume: &Volume) -> Vec<u8> {
+        let count = volume.voxels().len();
+        let mut bytes = vec![0; count * encoding.texel_len()];
+        Encoder::new(*encoding, volume).fill(volume, 0..count, &mut bytes);
+        bytes
     }
 
     fn decoded(encoding: &Encoding, bytes: &[u8]) -> Vec<f64> {
@@ -209,7 +191,7 @@ mod tests {
             let volume = volume(voxels);
             for storage in ["auto", "r8unorm", "r16float", "r32float"] {
                 let encoding = Encoding::choose(&volume, storage);
-                let bytes = encoding.encode(&volume);
+                let bytes = encoded(&encoding, &volume);
                 for (at, value) in decoded(&encoding, &bytes).into_iter().enumerate() {
                     let truth = volume.voxels().get(at);
                     // Shaders lose up to a part in 10⁶ of the range to f32.
@@ -253,7 +235,7 @@ mod tests {
         ]));
         let encoding = Encoding::choose(&volume, "auto");
         assert_eq!(
-            decoded(&encoding, &encoding.encode(&volume)),
+            decoded(&encoding, &encoded(&encoding, &volume)),
             [-2.0, -2.0, 5.0, 5.0, -2.0]
         );
     }

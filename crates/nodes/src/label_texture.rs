@@ -4,6 +4,8 @@
 //! 255. Rays go through such a cube in one stride. It is the chessboard distance to the nearest voxel that has another
 //! label among its 26 neighbours, in two sweeps over the volume (Rosenfeld and Pfaltz 1968).
 
+use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -15,7 +17,7 @@ use volgraph_report::Finding;
 use volgraph_volume::{Volume, Voxels};
 use wgpu_types::TextureFormat;
 
-use crate::placement::volume;
+use crate::placement::{self, volume};
 use crate::source::volume::VolumeSource;
 
 /// The node kind `label_texture`.
@@ -65,11 +67,18 @@ impl NodeKind for LabelTexture {
         let volume = node
             .source::<VolumeSource>("labels")
             .map(|source| Arc::clone(&source.volume));
-        let bytes = UploadBytes::new(move || {
-            Ok(volume
-                .as_ref()
-                .map(|volume| texels(volume))
-                .unwrap_or_default())
+        let bytes = UploadBytes::by_layers(move || {
+            let volume = volume.clone();
+            let rooms = volume.as_deref().map(|volume| {
+                let dims = volume.grid().dims.map(|n| n as usize);
+                rooms(&labels(volume), dims)
+            });
+            Ok(Box::new(move |layers, texels| {
+                if let (Some(volume), Some(rooms)) = (&volume, &rooms) {
+                    fill(volume, rooms, placement::voxels_of(volume, layers), texels);
+                }
+                Ok(())
+            }))
         });
         Ok(vec![Pass::Upload {
             port: "texture",
@@ -100,27 +109,32 @@ fn check(node: &NodeContext<'_>, volume: &Volume) -> Result<(), Finding> {
     Err(node.error("bad-labels", message).help(help))
 }
 
-/// Label and room of each voxel.
-fn texels(volume: &Volume) -> Vec<u8> {
-    let dims = volume.grid().dims.map(|n| n as usize);
-    let labels: Vec<u8> = match volume.voxels() {
-        Voxels::U8(labels) => labels.clone(),
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "checked to be whole numbers of 0 to 255"
-        )]
+/// All labels.
+fn labels(volume: &Volume) -> Cow<'_, [u8]> {
+    match volume.voxels() {
+        Voxels::U8(labels) => Cow::Borrowed(labels),
         voxels => (0..voxels.len())
             .into_par_iter()
-            .map(|at| voxels.get(at) as u8)
-            .collect(),
-    };
-    let rooms = rooms(&labels, dims);
-    labels
-        .into_iter()
-        .zip(rooms)
-        .flat_map(|(label, room)| [label, room])
-        .collect()
+            .map(|at| label(voxels, at))
+            .collect::<Vec<u8>>()
+            .into(),
+    }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "checked to be whole numbers of 0 to 255"
+)]
+fn label(voxels: &Voxels, at: usize) -> u8 {
+    voxels.get(at) as u8
+}
+
+/// Fills in label and room of these voxels.
+fn fill(volume: &Volume, rooms: &[u8], voxels: Range<usize>, texels: &mut [u8]) {
+    for (texel, at) in texels.chunks_exact_mut(2).zip(voxels) {
+        texel.copy_from_slice(&[label(volume.voxels(), at), rooms[at]]);
+    }
 }
 
 /// Of each voxel the voxels to each side, in a cube around it, in which there is no other label. What lies outside of

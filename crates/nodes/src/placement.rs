@@ -1,5 +1,7 @@
 //! The uniform of a volume: where it is, how its texels become scalars.
 
+use std::ops::Range;
+
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 use volgraph_graph::{NodeContext, Uniform};
 use volgraph_report::Finding;
@@ -22,6 +24,13 @@ pub fn volume<'g>(node: &NodeContext<'g>, port: &str) -> Result<&'g Volume, Find
                 format!("its input `{port}` is not a volume"),
             )
         })
+}
+
+/// The numbers of the voxels in some layers along z.
+#[must_use]
+pub fn voxels_of(volume: &Volume, layers: Range<u32>) -> Range<usize> {
+    let [nx, ny, _] = volume.grid().dims.map(|n| n as usize);
+    layers.start as usize * nx * ny..layers.end as usize * nx * ny
 }
 
 /// How the volume at `volume` is stored by the writer of `volume_texture`.

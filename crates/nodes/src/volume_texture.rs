@@ -9,8 +9,8 @@ use volgraph_graph::{
 use volgraph_report::Finding;
 use volgraph_shader::ParamSpec;
 
-use crate::encoding::Encoding;
-use crate::placement::volume;
+use crate::encoding::{Encoder, Encoding};
+use crate::placement::{self, volume};
 use crate::source::volume::VolumeSource;
 
 /// The node kind `volume_texture`.
@@ -76,11 +76,15 @@ impl NodeKind for VolumeTexture {
         let volume = node
             .source::<VolumeSource>("volume")
             .map(|source| Arc::clone(&source.volume));
-        let bytes = UploadBytes::new(move || {
-            Ok(volume
-                .as_ref()
-                .map(|volume| encoding.encode(volume))
-                .unwrap_or_default())
+        let bytes = UploadBytes::by_layers(move || {
+            let volume = volume.clone();
+            let encoder = volume.as_ref().map(|volume| Encoder::new(encoding, volume));
+            Ok(Box::new(move |layers, texels| {
+                if let (Some(volume), Some(encoder)) = (&volume, &encoder) {
+                    encoder.fill(volume, placement::voxels_of(volume, layers), texels);
+                }
+                Ok(())
+            }))
         });
         Ok(vec![Pass::Upload {
             port: "texture",

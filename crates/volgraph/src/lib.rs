@@ -18,10 +18,12 @@
 
 pub mod advise;
 pub mod bench;
+mod beside;
 pub mod case;
 mod dependencies;
 pub mod embedded;
 pub mod folders;
+mod kept;
 pub mod metadata;
 pub mod methods;
 mod overrides;
@@ -35,6 +37,7 @@ pub mod stress;
 pub mod truth;
 pub mod verify;
 
+pub use beside::open_beside;
 pub use case::{Case, CaseOptions};
 pub use dependencies::Dependencies;
 pub use embedded::{EMBEDDED_GRAPHS, ReadyGraph, ready_graphs};

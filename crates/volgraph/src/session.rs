@@ -25,6 +25,7 @@ pub use change::{Change, ChangeReport, ChangedFile, Drawn, Outcome, Refused, Sta
 
 use self::read_back::{picture, read};
 use crate::dependencies::Dependencies;
+use crate::kept::KeptFiles;
 use crate::overrides::Overrides;
 use crate::quality::{self, Chosen};
 use crate::renderer;
@@ -50,7 +51,7 @@ pub struct SessionOptions {
     pub max_resource_bytes: Option<u64>,
     /// Whether the graph's settings stand as they are written, whatever budget it states.
     pub is_as_written: bool,
-    /// Where what is chosen for a budget is kept; nowhere where it is `None`.
+    /// Where what is chosen for a budget is kept, and what makes the next start faster; nowhere where it is `None`.
     pub cache: Option<PathBuf>,
 }
 
@@ -242,7 +243,7 @@ impl Session {
         let plan = plan?;
         let stance = Stance::Graph;
         let view = stance.view(&plan);
-        let mut runner = Runner::new(gpu);
+        let mut runner = runner(gpu, options);
         let installation = runner.prepare(Arc::new(plan), &view, None)?;
         Ok(Self {
             options: options.clone(),
@@ -430,7 +431,7 @@ impl Session {
                     .plan(&state.shaders, &limits, size, with_layers)?,
             );
         }
-        let mut runner = Runner::new(gpu);
+        let mut runner = runner(gpu, &self.options);
         let installation = runner.prepare(plan, &state.view, None)?;
         self.runner = runner;
         state.installation = installation;
@@ -445,6 +446,10 @@ impl Session {
     pub fn read(&self, output: &str) -> Result<Picture, Findings> {
         read(&self.runner, &self.state.installation, output)
     }
+}
+
+fn runner(gpu: Arc<Gpu>, options: &SessionOptions) -> Runner {
+    Runner::new(gpu).keeping(KeptFiles::below(options.cache.as_ref()))
 }
 
 /// A scene with the method that its budget asks for. A budget that was settled before is settled as it was: while people

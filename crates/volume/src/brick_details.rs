@@ -4,6 +4,8 @@
 //! mean of differences of neighbouring voxels, and its second derivative, kinks at the faces of cells included, one of
 //! second differences. So the largest of these bound both.
 
+use std::ops::Range;
+
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -25,13 +27,22 @@ impl Volume {
     /// How fast scalars change in bricks of `edge` voxels, as far as voxels `margin` beside them are read.
     #[must_use]
     pub fn brick_details(&self, edge: u32, margin: u32) -> BrickDetails {
+        let dims = brick_dims(self.grid().dims, edge);
+        let details = self.brick_details_of(edge, margin, 0..dims[2]);
+        BrickDetails { dims, details }
+    }
+
+    /// Those of some layers of bricks along z.
+    #[must_use]
+    pub fn brick_details_of(&self, edge: u32, margin: u32, layers: Range<u32>) -> Vec<[f64; 2]> {
         let bricks = Bricks {
             dims: self.grid().dims.map(|n| n as usize),
             edge: edge.max(1) as usize,
             margin: margin.max(1) as usize,
+            layers: layers.start as usize..layers.end as usize,
             units: units(self.grid().world_from_index.matrix3),
         };
-        let details = match self.voxels() {
+        match self.voxels() {
             Voxels::U8(values) => bricks.details(values, f64::from),
             Voxels::I8(values) => bricks.details(values, f64::from),
             Voxels::U16(values) => bricks.details(values, f64::from),
@@ -42,10 +53,6 @@ impl Volume {
             Voxels::U64(values) => bricks.details(values, |value| value as f64),
             Voxels::I64(values) => bricks.details(values, |value| value as f64),
             Voxels::F64(values) => bricks.details(values, |value| self.drawn(value)),
-        };
-        BrickDetails {
-            dims: brick_dims(self.grid().dims, edge),
-            details,
         }
     }
 }
@@ -72,6 +79,8 @@ struct Bricks {
     dims: [usize; 3],
     edge: usize,
     margin: usize,
+    /// Of bricks, along z.
+    layers: Range<usize>,
     units: DVec3,
 }
 
@@ -96,11 +105,11 @@ impl Bricks {
         values: &[S],
         number: impl Fn(S) -> f64 + Sync,
     ) -> Vec<[f64; 2]> {
-        let [bx, by, bz] = self.dims.map(|n| n.div_ceil(self.edge));
+        let [bx, by, _] = self.dims.map(|n| n.div_ceil(self.edge));
         let at = |x: usize, y: usize, z: usize| {
             number(values[(z * self.dims[1] + y) * self.dims[0] + x])
         };
-        (0..by * bz)
+        (self.layers.start * by..self.layers.end * by)
             .into_par_iter()
             .flat_map_iter(|row| {
                 let mut found = vec![Differences::default(); bx];
@@ -185,7 +194,6 @@ impl Differences {
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use glam::{DAffine3, DVec3};
 

@@ -28,12 +28,21 @@ impl Volume {
     /// The ranges of its bricks of `edge` voxels, with a margin of `margin` voxels.
     #[must_use]
     pub fn brick_ranges(&self, edge: u32, margin: u32) -> BrickRanges {
+        let dims = brick_dims(self.grid().dims, edge);
+        let ranges = self.brick_ranges_of(edge, margin, 0..dims[2]);
+        BrickRanges { dims, ranges }
+    }
+
+    /// Those of some layers of bricks along z.
+    #[must_use]
+    pub fn brick_ranges_of(&self, edge: u32, margin: u32, layers: Range<u32>) -> Vec<[f64; 2]> {
         let bricks = Bricks {
             dims: self.grid().dims.map(|n| n as usize),
             edge: edge.max(1) as usize,
             margin: margin as usize,
+            layers: layers.start as usize..layers.end as usize,
         };
-        let ranges = match self.voxels() {
+        match self.voxels() {
             Voxels::U8(values) => bricks.ranges(values, |value| value, f64::from),
             Voxels::I8(values) => bricks.ranges(values, |value| value, f64::from),
             Voxels::U16(values) => bricks.ranges(values, |value| value, f64::from),
@@ -46,10 +55,6 @@ impl Volume {
             Voxels::U64(values) => bricks.ranges(values, |value| value, |value| value as f64),
             Voxels::I64(values) => bricks.ranges(values, |value| value, |value| value as f64),
             Voxels::F64(values) => bricks.ranges(values, |value| self.drawn(value), |value| value),
-        };
-        BrickRanges {
-            dims: brick_dims(self.grid().dims, edge),
-            ranges,
         }
     }
 }
@@ -59,6 +64,8 @@ struct Bricks {
     dims: [usize; 3],
     edge: usize,
     margin: usize,
+    /// Of bricks, along z.
+    layers: Range<usize>,
 }
 
 impl Bricks {
@@ -75,7 +82,7 @@ impl Bricks {
         number: impl Fn(T) -> f64 + Sync,
     ) -> Vec<[f64; 2]> {
         let [nx, ny, _] = self.dims;
-        let [bx, by, bz] = self.dims.map(|n| n.div_ceil(self.edge));
+        let [bx, by, _] = self.dims.map(|n| n.div_ceil(self.edge));
         let row = |at: usize| {
             // Over the row's cross-section first, then along it.
             let mut low: Vec<T> = Vec::new();
@@ -104,7 +111,8 @@ impl Bricks {
             };
             (0..bx).map(range).collect::<Vec<_>>()
         };
-        (0..by * bz).into_par_iter().flat_map_iter(row).collect()
+        let rows = self.layers.start * by..self.layers.end * by;
+        rows.into_par_iter().flat_map_iter(row).collect()
     }
 }
 
@@ -152,6 +160,25 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    #[test]
+    fn layer_by_layer_is_the_same_as_all_at_once() {
+        let dims = [9, 6, 11];
+        let values: Vec<u16> = (0..9 * 6 * 11).map(|i| (i * 7919 % 1000) as u16).collect();
+        let grid = Grid::axis_aligned(dims, DVec3::ONE, DVec3::ZERO);
+        let volume = Volume::new("v", grid, values.into()).unwrap();
+        for (edge, margin) in [(1, 0), (4, 1), (4, 2), (16, 1)] {
+            let whole = volume.brick_ranges(edge, margin);
+            let details = volume.brick_details(edge, margin);
+            let layers = brick_dims(dims, edge)[2];
+            let of_layers =
+                (0..layers).flat_map(|z| volume.brick_ranges_of(edge, margin, z..z + 1));
+            assert!(of_layers.eq(whole.ranges), "ranges of {edge}");
+            let of_layers =
+                (0..layers).flat_map(|z| volume.brick_details_of(edge, margin, z..z + 1));
+            assert!(of_layers.eq(details.details), "details of {edge}");
         }
     }
 }

@@ -135,7 +135,7 @@ impl Volume {
             hasher.update(self.voxels.scalar_type().name().as_bytes());
             hasher.update(b"\0");
             if cfg!(target_endian = "little") {
-                hasher.update(self.voxels.as_bytes());
+                hasher.update_rayon(self.voxels.as_bytes());
             } else {
                 for_voxels!(&self.voxels, values => for value in values {
                     hasher.update(&value.to_le_bytes());

@@ -2,25 +2,22 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::Instant;
 
 use volgraph_graph::{Digest, NodeId, Pass, Plan, View};
 use volgraph_report::{Finding, Findings};
 use wgpu::{CommandEncoder, CommandEncoderDescriptor};
 
 use super::schedule::must_run;
-use super::{Chosen, FrameReport, Installation, NodeReport, Runner, variant_key};
+use super::variant::variant_key;
+use super::{FrameReport, Installation, NodeReport, Runner};
 use crate::error::GpuError;
 use crate::guard::{Found, Watched};
 use crate::pipelines::PipelineKind;
 use crate::timing::Timer;
 
-/// The side of the view on which variants are measured.
-const MEASURE_SIZE: u32 = 256;
-
 /// Commands recorded and not yet submitted.
-struct Recording {
-    encoder: CommandEncoder,
+pub(super) struct Recording {
+    pub encoder: CommandEncoder,
     timer: Option<Timer>,
     watched: Watched,
     /// What went wrong in what was submitted.
@@ -28,7 +25,7 @@ struct Recording {
 }
 
 impl Recording {
-    fn new(encoder: CommandEncoder, timer: Option<Timer>) -> Self {
+    pub fn new(encoder: CommandEncoder, timer: Option<Timer>) -> Self {
         Self {
             encoder,
             timer,
@@ -38,7 +35,7 @@ impl Recording {
     }
 
     /// Everything that went wrong, where something did that leaves no picture.
-    fn check(&self) -> Result<(), GpuError> {
+    pub fn check(&self) -> Result<(), GpuError> {
         let all = self.found.iter().flat_map(|(_, findings)| findings);
         let all: Findings = all.cloned().collect();
         if all.has_errors() {
@@ -154,7 +151,7 @@ impl Runner {
         })
     }
 
-    fn encoder(&self) -> CommandEncoder {
+    pub(super) fn encoder(&self) -> CommandEncoder {
         self.gpu
             .device
             .create_command_encoder(&CommandEncoderDescriptor {
@@ -163,7 +160,7 @@ impl Runner {
     }
 
     /// Submits what is recorded, waits for it, and takes note of what the guards have seen.
-    fn settle(&self, recording: &mut Recording) -> Result<(), GpuError> {
+    pub(super) fn settle(&self, recording: &mut Recording) -> Result<(), GpuError> {
         let watched = std::mem::take(&mut recording.watched);
         let counters = watched.resolve(&self.gpu, &mut recording.encoder);
         self.flush(recording);
@@ -181,72 +178,7 @@ impl Runner {
         self.gpu.queue.submit([encoder.finish()]);
     }
 
-    /// The variant to run: the only one, the one chosen before, or the fastest of all on a small view, measured now
-    /// with the inputs that the frame has made so far.
-    fn variant(
-        &mut self,
-        installation: &mut Installation,
-        id: NodeId,
-        view: &View,
-        recording: &mut Recording,
-    ) -> Result<Option<&'static str>, GpuError> {
-        let plan = Arc::clone(&installation.plan);
-        let variants = plan.variants(id);
-        let Some(&first) = variants.first() else {
-            return Ok(None);
-        };
-        if variants.len() == 1 {
-            return Ok(Some(first));
-        }
-        let key = variant_key(&plan, id);
-        if let Some(chosen) = installation
-            .chosen
-            .get(&key)
-            .filter(|chosen| variants.contains(&chosen.variant))
-        {
-            return Ok(Some(chosen.variant));
-        }
-        // Nodes before may share a guard with this one, whose counters the measuring clears.
-        self.settle(recording)?;
-        recording.check()?;
-        // The plan's own camera has the volumes in view, wherever this frame's looks.
-        let small = View {
-            size: view.size.map(|n| n.min(MEASURE_SIZE)),
-            ..plan.view()
-        };
-        let mut times: BTreeMap<&'static str, f64> = BTreeMap::new();
-        // The first run compiles; of the others, in turns, the fastest counts: what is beside on the machine only adds.
-        for round in 0..3 {
-            for &variant in &variants {
-                let mut recording = Recording::new(self.encoder(), None);
-                let start = Instant::now();
-                self.node(installation, id, &small, Some(variant), &mut recording)?;
-                self.settle(&mut recording)?;
-                // What does not end need not be timed.
-                recording.check()?;
-                let elapsed = start.elapsed().as_secs_f64() * 1e3;
-                if round > 0 {
-                    times
-                        .entry(variant)
-                        .and_modify(|best| *best = best.min(elapsed))
-                        .or_insert(elapsed);
-                }
-            }
-        }
-        let fastest = times
-            .iter()
-            .min_by(|a, b| a.1.total_cmp(b.1))
-            .map_or(first, |(variant, _)| *variant);
-        let chosen = Chosen {
-            variant: fastest,
-            measured: times,
-        };
-        installation.chosen.insert(key, chosen);
-        installation.has_chosen = true;
-        Ok(Some(fastest))
-    }
-
-    fn node(
+    pub(super) fn node(
         &mut self,
         installation: &mut Installation,
         id: NodeId,
@@ -263,7 +195,7 @@ impl Runner {
                     // Writes through the queue come before what is recorded but not submitted.
                     self.flush(recording);
                     let held = installation.output(id, port)?;
-                    self.upload(held, &bytes.make()?, name, installation.bytes())?;
+                    self.upload(held, bytes, name, installation.bytes())?;
                 }
                 Pass::Compute { .. } | Pass::ComputeIndirect { .. } => {
                     let bound =

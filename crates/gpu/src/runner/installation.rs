@@ -7,8 +7,9 @@ use volgraph_graph::{Digest, NodeId, Plan};
 use volgraph_report::{Finding, Findings};
 use wgpu::Texture;
 
+use super::Runner;
 use super::frame::internal;
-use super::{Chosen, Runner};
+use super::variant::Chosen;
 use crate::error::GpuError;
 use crate::guard::Found;
 use crate::pool::{Held, PoolReport, Wish, Written};
@@ -21,7 +22,7 @@ pub struct Installation {
     pub(super) held: Vec<Held>,
     /// The target of draw passes, as large as the last view; nothing is written to it.
     pub(super) scratch: Option<Texture>,
-    /// By [`super::variant_key`]: an edit of a shader's text keeps the choice.
+    /// By [`super::variant::variant_key`]: an edit of a shader's text keeps the choice.
     pub(super) chosen: BTreeMap<String, Chosen>,
     /// Whether a variant was chosen since somebody asked.
     pub(super) has_chosen: bool,

@@ -44,21 +44,31 @@ impl Storage {
         }
     }
 
-    /// `gradient_encode` of the slot's files.
-    fn encode(self, gradient: DVec3) -> Vec<u8> {
+    /// Bytes of a texel.
+    fn texel_len(self) -> usize {
         match self {
-            Self::Rgba16f => [gradient.x, gradient.y, gradient.z, 0.0]
-                .iter()
-                .flat_map(|v| f16::from_f64(*v).to_le_bytes())
-                .collect(),
+            Self::Rgba8 => 4,
+            Self::Rgba16f => 8,
+        }
+    }
+
+    /// `gradient_encode` of the slot's files.
+    fn encode(self, gradient: DVec3, texel: &mut [u8]) {
+        match self {
+            Self::Rgba16f => {
+                let values = [gradient.x, gradient.y, gradient.z, 0.0];
+                for (bytes, value) in texel.chunks_exact_mut(2).zip(values) {
+                    bytes.copy_from_slice(&f16::from_f64(value).to_le_bytes());
+                }
+            }
             Self::Rgba8 => {
                 let magnitude = gradient.length();
                 let direction = gradient / magnitude.max(1e-12);
                 let root = (magnitude / 3.0_f64.sqrt()).sqrt();
-                [direction.x, direction.y, direction.z, root]
-                    .iter()
-                    .map(|v| snorm8(*v))
-                    .collect()
+                let values = [direction.x, direction.y, direction.z, root];
+                for (byte, value) in texel.iter_mut().zip(values) {
+                    *byte = snorm8(value);
+                }
             }
         }
     }
@@ -88,11 +98,15 @@ pub(super) fn record(node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
     let volume = node
         .source::<VolumeSource>("volume")
         .map(|source| Arc::clone(&source.volume));
-    let bytes = UploadBytes::new(move || {
-        Ok(volume
-            .as_ref()
-            .map(|volume| gradients(volume, method, storage))
-            .unwrap_or_default())
+    let bytes = UploadBytes::by_layers(move || {
+        let volume = volume.clone();
+        Ok(Box::new(move |layers, texels| {
+            if let Some(volume) = &volume {
+                let voxels = placement::voxels_of(volume, layers);
+                gradients(volume, method, storage, voxels.start, texels);
+            }
+            Ok(())
+        }))
     });
     Ok(vec![Pass::Upload {
         port: "gradient",
@@ -100,8 +114,8 @@ pub(super) fn record(node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
     }])
 }
 
-/// The encoded gradients of all voxels.
-fn gradients(volume: &Volume, method: Method, storage: Storage) -> Vec<u8> {
+/// Fills in the encoded gradients of the voxels from one on.
+fn gradients(volume: &Volume, method: Method, storage: Storage, first: usize, texels: &mut [u8]) {
     let (low, high) = volume.statistics().range().unwrap_or((0.0, 0.0));
     let span = if high > low { high - low } else { 1.0 };
     let dims = IVec3::from_array(
@@ -116,13 +130,14 @@ fn gradients(volume: &Volume, method: Method, storage: Storage) -> Vec<u8> {
         let at = index.clamp(IVec3::ZERO, dims - 1).as_usizevec3();
         volume.drawn(voxels.get((at.z * ny + at.y) * nx + at.x))
     };
-    (0..voxels.len())
-        .into_par_iter()
-        .flat_map_iter(|at| {
+    texels
+        .par_chunks_exact_mut(storage.texel_len())
+        .enumerate()
+        .for_each(|(at, texel)| {
+            let at = first + at;
             let index = glam::USizeVec3::new(at % nx, at / nx % ny, at / (nx * ny)).as_ivec3();
-            storage.encode(estimate(method, index, &scalar) / span)
-        })
-        .collect()
+            storage.encode(estimate(method, index, &scalar) / span, texel);
+        });
 }
 
 /// `gradient_estimate` of the slot's files: data units per voxel along the index axes.
@@ -170,12 +185,13 @@ mod tests {
         let values: Vec<f32> = (0..24).map(|i| i as f32).collect();
         let grid = Grid::axis_aligned([2, 3, 4], DVec3::ONE, DVec3::ZERO);
         let volume = Volume::new("t", grid, Voxels::F32(values)).unwrap();
-        assert_eq!(
-            gradients(&volume, Method::Central, Storage::Rgba8).len(),
-            24 * 4
-        );
-        let bytes = gradients(&volume, Method::Sobel, Storage::Rgba16f);
-        assert_eq!(bytes.len(), 24 * 8);
+        let mut all = vec![0xaa; 24 * 8];
+        gradients(&volume, Method::Sobel, Storage::Rgba16f, 0, &mut all);
+        // The last two layers alone are the same.
+        let mut bytes = vec![0xaa; 12 * 8];
+        gradients(&volume, Method::Sobel, Storage::Rgba16f, 12, &mut bytes);
+        assert_eq!(bytes, all[12 * 8..]);
+        let bytes = all;
         // In the middle of y the values rise by 2 a row, of 23 in all.
         let texel = &bytes[(6 + 2) * 8..];
         assert!((f16::from_le_bytes([texel[2], texel[3]]).to_f64() - 2.0 / 23.0).abs() < 1e-3);

@@ -22,6 +22,7 @@ use volgraph::bench::{Technique, own_technique};
 use volgraph::{Finding, Findings, SessionOptions};
 use volgraph_gpu::Gpu;
 
+pub use self::one::memory;
 use self::report::{Report, Writer};
 use super::session_options;
 use crate::args::{BenchArgs, SceneArgs};

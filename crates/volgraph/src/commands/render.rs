@@ -9,12 +9,16 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use serde_json::json;
+use volgraph::bench::{device_bytes, peak_resident_bytes};
 use volgraph::quality::{Chosen, achieved};
 use volgraph::truth::plan_without_device;
-use volgraph::{Findings, Picture, Scene, Session, Truth, TruthOptions, list_adapters, metadata};
-use volgraph_gpu::{Gpu, GpuError};
+use volgraph::{
+    Findings, Picture, Scene, Session, Truth, TruthOptions, list_adapters, metadata, open_beside,
+};
+use volgraph_gpu::GpuError;
 use volgraph_picture::{SaveOptions, SaveReport};
 
+use super::bench::memory;
 use super::reference::Rows;
 use super::software;
 use super::{check_output, check_overwrites, errors, load, png_bits, session_options};
@@ -28,11 +32,12 @@ const TOLERANCE: f64 = 1e-6;
 pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
     check_output(&args.output)?;
     let start = Instant::now();
-    let scene = load(&args.scene)?;
+    let options = session_options(&args.scene, Some(&args.output));
+    let (scene, gpu) = open_beside(&options.adapter, || load(&args.scene));
+    let scene = scene?;
     let inputs = scene.data.keys().chain([&scene.path]);
     check_overwrites(&args.output, inputs.map(PathBuf::as_path))?;
-    let options = session_options(&args.scene, Some(&args.output));
-    let gpu = match Gpu::open(&options.adapter) {
+    let gpu = match gpu {
         Ok(gpu) => Arc::new(gpu),
         Err(error @ GpuError::NoAdapter { .. }) if list_adapters().is_empty() => {
             return without_adapter(args, &scene, start, error);
@@ -65,16 +70,19 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
             "clipped_pixels": saved.clipped_pixels,
             "quality": chosen,
             "achieved": achieved.map(|(rmse, pixels)| json!({ "rmse": rmse, "pixels": pixels })),
+            "device_bytes": device_bytes(&session),
+            "peak_resident_bytes": peak_resident_bytes(),
             "frame": report,
         }));
     } else {
         output::print(&format!(
-            "{} {}x{} in {:.0} ms on {}",
+            "{} {}x{} in {:.0} ms on {}; {}",
             args.output.display(),
             picture.width,
             picture.height,
             milliseconds(start.elapsed()),
-            session.adapter()
+            session.adapter(),
+            memory(&session, peak_resident_bytes())
         ));
         if let Some(chosen) = chosen {
             output::print(&quality(chosen, achieved));

@@ -7,7 +7,7 @@ use std::time::Instant;
 use serde_json::{Value, json};
 use volgraph::bench::{device_bytes, empty_of, limit_of, peak_resident_bytes};
 use volgraph::methods::{middle, turned};
-use volgraph::{Findings, FrameReport, Scene, Session, SessionOptions};
+use volgraph::{Findings, FrameReport, Scene, Session, SessionOptions, open_beside};
 use volgraph_gpu::Gpu;
 use volgraph_measure::timing::{Summary, ratio};
 
@@ -16,9 +16,10 @@ use crate::commands::{load, session_options};
 use crate::{clock, output};
 
 pub fn run(args: &BenchArgs, scene_args: &SceneArgs) -> anyhow::Result<ExitCode> {
-    let scene = load(scene_args)?;
     let options = session_options(scene_args, None);
-    let gpu = Arc::new(Gpu::open(&options.adapter)?);
+    let (scene, gpu) = open_beside(&options.adapter, || load(scene_args));
+    let scene = scene?;
+    let gpu = Arc::new(gpu?);
     let reads_back = !args.no_read_back;
     let mut session = Session::start(scene, Arc::clone(&gpu), &options)?;
     let (_, mut last) = frame(&mut session, reads_back)?;
@@ -96,11 +97,22 @@ pub fn run(args: &BenchArgs, scene_args: &SceneArgs) -> anyhow::Result<ExitCode>
         output::print(&limit.words());
     }
     output::print(&format!(
-        "first picture {first_picture_ms:.0} ms after the start; at most {} in the main memory until then, {} on the device",
-        peak_resident.map_or_else(|| "an unknown amount".to_owned(), mib),
-        mib(device_bytes(&session)),
+        "first picture {first_picture_ms:.0} ms after the start; until then {}",
+        memory(&session, peak_resident),
     ));
     Ok(ExitCode::SUCCESS)
+}
+
+/// What the device holds, and the most that the process has held. A software device's memory is the process's.
+pub fn memory(session: &Session, peak_resident: Option<u64>) -> String {
+    let device = mib(device_bytes(session));
+    match peak_resident.map(mib) {
+        None => format!("{device} on the device"),
+        Some(peak) if session.adapter().class == "software" => {
+            format!("at most {peak} of main memory, {device} of it as the device's")
+        }
+        Some(peak) => format!("at most {peak} of main memory, and {device} on the device"),
+    }
 }
 
 /// Bytes for people.
