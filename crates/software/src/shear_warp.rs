@@ -3,8 +3,8 @@
 //! The way of the data: a [`Shear`] takes the volume's axis that the view runs along most, and the shift of its slices that
 //! makes all rays run along that axis. [`Slices`] are the voxels in that order, [`Runs`] the lengths of their rows in
 //! which something may be seen, a [`SlabTable`] what a slab between two slices shows. Each row of the intermediate image,
-//! which lies along the volume's own axes, goes through all slabs from front to back ([`mod@scanline`]), rows on all cores;
-//! then the picture is read out of it ([`mod@warp`]). No pixel depends on how many cores there are.
+//! which lies along the volume's own axes, goes through all slabs from front to back (`scanline`), rows on all cores;
+//! then the picture is read out of it (`warp`). No pixel depends on how many cores there are.
 //!
 //! What is kept of the raycast's conventions: the box spans whole voxels, clamped in the outer half voxel. A slab that the
 //! box or the eye's plane cuts is as long as its ray in it, by the paper's correction of opacity and colour. What cannot be
