@@ -2,10 +2,10 @@
 //!
 //! A graph that states `quality: budget(rmse: 0.002)` or `budget(time_ms: 40)` leaves the method of its raycast to
 //! volgraph. [`choose`] draws small views by each way to classify, finds the longest step that keeps the error against
-//! the float64 reference (`calibrate`), times what is left at the picture's own size, and takes the fastest; or, in a
-//! given time, the most accurate. What is chosen is kept on disk under the digest of all that it depends on, the adapter
-//! included. What the user sets by name (`--set`) is held as it is. [`achieved`] says how wrong a picture then is, by the
-//! reference of a sample of its pixels.
+//! the float64 reference (`calibrate`), times what is left at the picture's own size, and takes the fastest, with a step
+//! that keeps the error in a sample of the picture itself as well; or, in a given time, the most accurate. What is chosen
+//! is kept on disk under the digest of all that it depends on, the adapter included. What the user sets by name (`--set`)
+//! is held as it is. [`achieved`] says how wrong a picture then is, by the reference of a sample of its pixels.
 
 mod calibrate;
 mod keep;
@@ -36,7 +36,8 @@ pub struct Chosen {
     pub node: String,
     /// Its settings.
     pub method: Method,
-    /// The error that the small views had: the largest root mean square of linear premultiplied colours of three views.
+    /// The largest root mean square error of linear premultiplied colours of three small views; of an error budget also of
+    /// a sample of the picture itself.
     pub predicted_rmse: f64,
     /// The median time of a frame of the picture's size, in milliseconds, when it was chosen.
     pub predicted_ms: f64,
@@ -129,32 +130,49 @@ pub fn choose(
 }
 
 /// Most pixels of a picture that are held against the reference to say what was achieved.
-const SAMPLE: usize = 4096;
+const SAMPLED: usize = 4096;
 
 /// The root mean square error of linear premultiplied colours of a picture, over a sample of its pixels, and how many
 /// those are. `None` where the reference does not compute what the graph draws.
 #[must_use]
 pub fn achieved(plan: &Plan, view: &View, picture: &Picture) -> Option<(f64, usize)> {
-    let node = raycast_node(plan).ok()?;
-    let scene = raycast_scene(&plan.context(node, view, None), view).ok()?;
-    let [width, height] = view.size;
-    let pixels: Vec<[u32; 2]> = sample(width, height);
-    let colors = volgraph_reference::render_pixels(&scene, &pixels, 1e-6).ok()?;
-    let mut squares = 0.0;
-    for ([x, y], truth) in pixels.iter().zip(&colors) {
-        let drawn = picture.color[*y as usize * width as usize + *x as usize];
-        let errors = drawn.iter().zip(truth).map(|(a, b)| f64::from(*a) - b);
-        squares += errors.map(|error| error * error).sum::<f64>();
+    let sample = Sample::of(plan, view)?;
+    Some((sample.rmse(picture), sample.pixels.len()))
+}
+
+/// Some pixels of a view, and what they should be.
+struct Sample {
+    pixels: Vec<[u32; 2]>,
+    colors: Vec<[f64; 4]>,
+}
+
+impl Sample {
+    fn of(plan: &Plan, view: &View) -> Option<Self> {
+        let node = raycast_node(plan).ok()?;
+        let scene = raycast_scene(&plan.context(node, view, None), view).ok()?;
+        let [width, height] = view.size;
+        let pixels = sample(width, height);
+        let colors = volgraph_reference::render_pixels(&scene, &pixels, 1e-6).ok()?;
+        Some(Self { pixels, colors })
     }
-    let count = pixels.len();
-    Some(((squares / (4 * count.max(1)) as f64).sqrt(), count))
+
+    /// The error of a picture of that view.
+    fn rmse(&self, picture: &Picture) -> f64 {
+        let mut squares = 0.0;
+        for ([x, y], truth) in self.pixels.iter().zip(&self.colors) {
+            let drawn = picture.color[*y as usize * picture.width as usize + *x as usize];
+            let errors = drawn.iter().zip(truth).map(|(a, b)| f64::from(*a) - b);
+            squares += errors.map(|error| error * error).sum::<f64>();
+        }
+        (squares / (4 * self.pixels.len().max(1)) as f64).sqrt()
+    }
 }
 
 /// Pixels of a picture, spread evenly: all of a small one, else the points of a lattice that repeats nowhere (the
 /// additive recurrence of the plastic number).
 fn sample(width: u32, height: u32) -> Vec<[u32; 2]> {
     let all = width as usize * height as usize;
-    if all <= SAMPLE {
+    if all <= SAMPLED {
         return (0..height)
             .flat_map(|y| (0..width).map(move |x| [x, y]))
             .collect();
@@ -171,7 +189,7 @@ fn sample(width: u32, height: u32) -> Vec<[u32; 2]> {
             |step: f64, side: u32| ((0.5 + at as f64 * step).fract() * f64::from(side)) as u32;
         [share(across, width), share(down, height)]
     };
-    (0..SAMPLE).map(place).collect()
+    (0..SAMPLED).map(place).collect()
 }
 
 #[cfg(test)]
@@ -185,7 +203,7 @@ mod tests {
             [[0, 0], [1, 0], [2, 0], [0, 1], [1, 1], [2, 1]]
         );
         let pixels = sample(640, 480);
-        assert_eq!(pixels.len(), SAMPLE);
+        assert_eq!(pixels.len(), SAMPLED);
         // Of 16 parts of the picture each has its share.
         let mut counts = [0; 16];
         for [x, y] in pixels {

@@ -1,8 +1,9 @@
 //! Drawing small views to find the method for a budget.
 //!
-//! For each way to classify, on the device and by the software raycaster, the longest step that keeps an error budget is searched (`search`), or the step that fills a
-//! time; those that are inside race each other. Storages of the volume are only tried with the way that came out best,
-//! from its step on. A time that is promised is measured once more, at the picture's own size.
+//! For each way to classify, on the device and by the software raycaster, the longest step that keeps an error budget is
+//! searched (`search`), or the step that fills a time; those that are inside race each other, and the one that wins keeps
+//! the error in the picture itself. Storages of the volume are only tried with the way that came out best, from its step
+//! on. A time that is promised is measured once more, at the picture's own size.
 
 use std::sync::Arc;
 
@@ -11,9 +12,9 @@ use volgraph_graph::{Budget, Plan};
 use volgraph_report::{Finding, Findings};
 use volgraph_shader::ParamValue;
 
-use super::Chosen;
 use super::search::{self, COARSEST, FINEST};
 use super::trial::{Entrant, SHARE, STEP, Trial, Way};
+use super::{Chosen, Sample};
 use crate::methods::{Axis, MethodSpace};
 use crate::renderer::{RENDERER, SOFTWARE};
 use crate::scene::Scene;
@@ -86,9 +87,10 @@ pub(super) fn calibrate(
         found.push(best);
         best = winner(&mut trial, found, budget)?;
     }
-    if let Budget::TimeMs(most) = budget {
-        best = keep_time(&mut trial, best, most)?;
-    }
+    best = match budget {
+        Budget::Rmse(most) => keep_error(&mut trial, best, most)?,
+        Budget::TimeMs(most) => keep_time(&mut trial, best, most)?,
+    };
     let is_met = match budget {
         Budget::Rmse(rmse) => best.rmse <= rmse,
         Budget::TimeMs(time) => best.ms <= time,
@@ -206,6 +208,58 @@ fn step_in_time(trial: &mut Trial, mut entrant: Entrant, most: f64) -> Result<En
     }
     trial.measure(&mut entrant)?;
     Ok(entrant)
+}
+
+/// Holds the picture itself against the reference, since small views may miss where most of its error is. What is not inside
+/// gets a shorter step; where that does not help (a floor: tables, storage), the next best of what was inside takes its
+/// place, and where none is left, the nearest. What the reference does not compute is left as it is.
+fn keep_error(trial: &mut Trial, best: Entrant, most: f64) -> Result<Entrant, Findings> {
+    let mut best = best;
+    let Some(sample) = trial.sample(&mut best)? else {
+        return Ok(best);
+    };
+    let mut nearest: Option<Entrant> = None;
+    let mut next = Some(best);
+    while let Some(entrant) = next {
+        let entrant = shortened(trial, &sample, entrant, most)?;
+        let is_kept = entrant.rmse <= most;
+        if nearest.as_ref().is_none_or(|it| entrant.rmse < it.rmse) {
+            nearest = Some(entrant);
+        }
+        if is_kept {
+            break;
+        }
+        next = trial.next_best(SHARE * most);
+    }
+    nearest.ok_or_else(Findings::new)
+}
+
+/// The same entrant with the first step that keeps the error in a sample of the picture, as long as shorter steps help.
+fn shortened(
+    trial: &mut Trial,
+    sample: &Sample,
+    mut entrant: Entrant,
+    most: f64,
+) -> Result<Entrant, Findings> {
+    // A shorter step is not worse in the small views either.
+    let predicted = entrant.rmse;
+    let mut before = f64::INFINITY;
+    loop {
+        let rmse = sample.rmse(&trial.picture(&mut entrant)?);
+        entrant.rmse = predicted.max(rmse);
+        let helps = rmse * search::LEAST_GAIN <= before;
+        let Some(step) = entrant.step.filter(|_| rmse > most && helps) else {
+            return Ok(entrant);
+        };
+        // An octave at least, as `search::LEAST_GAIN` is of one.
+        let next = (step * (SHARE * most / rmse).min(0.5)).max(search::step(FINEST));
+        if next >= step {
+            return Ok(entrant);
+        }
+        before = rmse;
+        trial.set_step(&mut entrant, next)?;
+        entrant = trial.time(entrant, false)?;
+    }
 }
 
 /// Measures the time of a frame at the picture's own size, and changes the step until the time is kept and used.

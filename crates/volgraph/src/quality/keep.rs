@@ -16,7 +16,7 @@ use crate::scene::Scene;
 use crate::truth::prune;
 
 /// Changes with how choices are made, so that older ones are made again.
-const REVISION: u32 = 3;
+const REVISION: u32 = 4;
 
 /// Most bytes of all choices.
 const MAX_KEPT_BYTES: u64 = 4 << 20;

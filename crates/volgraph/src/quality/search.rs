@@ -14,7 +14,7 @@ pub(super) const FINEST: i32 = -16;
 pub(super) const COARSEST: i32 = 16;
 
 /// Below half a voxel an octave has to make the error at least so many times less.
-const LEAST_GAIN: f64 = 1.3;
+pub(super) const LEAST_GAIN: f64 = 1.3;
 const GAIN_IS_ASKED_BELOW: i32 = -RUNGS_TO_AN_OCTAVE;
 
 /// The step of a rung, in voxels.

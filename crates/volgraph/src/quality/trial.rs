@@ -9,10 +9,12 @@ use glam::DVec3;
 use volgraph_gpu::Gpu;
 use volgraph_graph::{Budget, Camera, View};
 use volgraph_measure::timing::Summary;
+use volgraph_picture::Picture;
 use volgraph_reference::Silent;
 use volgraph_report::{Finding, Findings};
 use volgraph_shader::ParamValue;
 
+use super::Sample;
 use super::search::{self, Figures};
 use crate::methods::{
     Axis, Frames, Method, Setting, TruthKind, Yardstick, alternate, fine_method, is_uncovered,
@@ -121,6 +123,8 @@ pub(super) struct Trial<'a> {
     /// The sizes that choices and promises are timed at.
     timed: [u32; 2],
     promised: [u32; 2],
+    /// The picture's own.
+    size: [u32; 2],
     pixels: f64,
     /// What the camera turns about.
     target: DVec3,
@@ -128,6 +132,8 @@ pub(super) struct Trial<'a> {
     pub has_step: bool,
     /// Methods that were drawn.
     pub tried: usize,
+    /// Who lost a race: without a session.
+    beaten: Vec<Entrant>,
     /// Why ways were refused.
     pub refused: Vec<Findings>,
 }
@@ -172,11 +178,13 @@ impl<'a> Trial<'a> {
             },
             timed,
             promised,
+            size: options.size,
             pixels: width * height,
             target: DVec3::ZERO,
             views: Vec::new(),
             has_step,
             tried: 0,
+            beaten: Vec::new(),
             refused: Vec::new(),
         };
         trial.look(budget)?;
@@ -289,6 +297,25 @@ impl<'a> Trial<'a> {
         Ok(())
     }
 
+    /// Some pixels of the picture itself, and what they should be; `None` where the reference does not compute them.
+    pub fn sample(&mut self, entrant: &mut Entrant) -> Result<Option<Sample>, Findings> {
+        self.resize(entrant, self.size)?;
+        let camera = entrant.camera;
+        let session = self.wake(entrant)?;
+        session.place_camera(camera);
+        Ok(Sample::of(session.plan(), session.view()))
+    }
+
+    /// Draws the picture itself by an entrant.
+    pub fn picture(&mut self, entrant: &mut Entrant) -> Result<Picture, Findings> {
+        self.tried += 1;
+        self.resize(entrant, self.size)?;
+        let camera = entrant.camera;
+        let session = self.wake(entrant)?;
+        session.place_camera(camera);
+        Ok(session.render_checked()?.0)
+    }
+
     /// Draws the small views by an entrant.
     pub fn measure(&mut self, entrant: &mut Entrant) -> Result<f64, Findings> {
         self.tried += 1;
@@ -322,8 +349,20 @@ impl<'a> Trial<'a> {
             let mut batch = self.time_all(batch, self.timed);
             let figures: Vec<Figures> = batch.iter().map(Entrant::figures).collect();
             best = search::best(&figures, budget, SHARE).map(|at| batch.swap_remove(at));
+            self.beaten.extend(batch.into_iter().map(|mut entrant| {
+                entrant.session = None;
+                entrant
+            }));
         }
         best
+    }
+
+    /// The fastest that was beaten, of those whose error in the small views is at most `most`; each once.
+    pub fn next_best(&mut self, most: f64) -> Option<Entrant> {
+        let inside = self.beaten.iter().enumerate();
+        let inside = inside.filter(|(_, it)| it.rmse <= most);
+        let (at, _) = inside.min_by(|(_, a), (_, b)| a.ms.total_cmp(&b.ms))?;
+        Some(self.beaten.swap_remove(at))
     }
 
     /// A frame of the picture's size by an entrant alone, in milliseconds: as it is promised.
