@@ -256,3 +256,53 @@ fn what_an_edit_reveals_is_seen_and_the_map_is_made_again_for_that_alone() {
         assert!(difference <= 1e-6, "{backend}: {difference:e}");
     }
 }
+
+/// A walk of a user's own whose segments grow, so that their number says nothing of where they are.
+const GROWING: &str = "// Where does the next segment end?
+#import \"lib/step.wgsl\"
+
+fn traverse_segment_end(ray: Ray, index: u32) -> f32 {
+    let even = f32(index + 1u);
+    return min(even * (1.0 + 0.05 * even) * step_world(), ray.far - ray.near);
+}
+";
+
+#[test]
+fn a_walk_that_does_not_count_in_whole_steps_never_leaps() {
+    let stage = ball(RAMP, r#""traverse": "growing""#).with("slot/traverse/growing.wgsl", GROWING);
+    for backend in adapters() {
+        let [own, all] = [&[][..], &["image.slots.emptiness=none"]].map(|sets| {
+            let session = stage.open("graph.ron", sets, &backend, SIZE);
+            session.unwrap().render().unwrap().0
+        });
+        let difference = compare_without_flip(&own, &all).unwrap().max.error;
+        assert!(difference == 0.0, "{backend}: {difference:e}");
+        assert!(own.color.iter().any(|color| color[3] > 0.1), "{backend}");
+    }
+}
+
+#[test]
+fn raycasts_that_skip_share_their_map_whatever_else_differs() {
+    let stage = ball(RAMP, "");
+    let two = r#"(
+    sources: { "v": volume(path: "v_64x64x64_float32.raw"), "t": transfer(path: "transfer.ron") },
+    camera: orbit(azimuth: 20, elevation: 30),
+    nodes: {
+        "box": (kind: "proxy_box", in: { "volume": "v" }),
+        "a":   (kind: "raycast", in: { "volume": "v", "transfer": "t", "rays": "box" },
+                slots: { "traverse": "skip" }, params: { "step": 1.0 }),
+        "b":   (kind: "raycast", in: { "volume": "v", "transfer": "t", "rays": "box" },
+                slots: { "traverse": "skip" }, params: { "step": 0.5 }),
+        "difference": (kind: "difference", in: { "a": "a.color", "b": "b.color" }),
+    },
+    outputs: { "color": "difference.color" },
+)"#;
+    stage.write("two.ron", two);
+    for backend in adapters() {
+        let mut session = stage.open("two.ron", &[], &backend, SIZE).unwrap();
+        let report = session.draw().unwrap();
+        let ran = report.ran();
+        let maps = ran.iter().filter(|name| name.ends_with(".distance_map"));
+        assert_eq!(maps.count(), 1, "{backend}: {ran:?}");
+    }
+}

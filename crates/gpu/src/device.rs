@@ -155,9 +155,14 @@ impl Gpu {
         self.summary.backend == "vulkan" && self.summary.name.contains("llvmpipe")
     }
 
-    /// Whether command encoders can write timestamps.
+    /// Whether command encoders can write timestamps that mean something. Drivers on the processor may write both ends of a
+    /// compute pass after it (Mesa's llvmpipe keeps them with what is drawn, and computes at once); frame times say it all
+    /// there.
     #[must_use]
     pub(crate) fn has_timestamps(&self) -> bool {
+        if self.summary.class == "software" {
+            return false;
+        }
         let needed = Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS;
         self.device.features().contains(needed)
     }

@@ -128,7 +128,7 @@ pub fn compare_without_flip(a: &Picture, b: &Picture) -> Result<Comparison, Meas
             sums[c] += error;
             worst = worst.max(error.abs());
             if error.abs() > max.error {
-                let (x, y) = place(i, width);
+                let (x, y) = place(i, (width, 1));
                 max = WorstPixel {
                     error: error.abs(),
                     x,
@@ -150,14 +150,14 @@ pub fn compare_without_flip(a: &Picture, b: &Picture) -> Result<Comparison, Meas
         flip: None,
         depth: scalars(
             "depth",
-            width,
+            (width, 1),
             a.depth.as_deref(),
             b.depth.as_deref(),
             f32::is_nan,
         )?,
         opacity: scalars(
             "opacity",
-            width,
+            (width, 1),
             a.opacity.as_deref(),
             b.opacity.as_deref(),
             |v| !v.is_finite(),
@@ -172,22 +172,23 @@ fn layers(a: &Picture, b: &Picture) -> Result<BTreeMap<String, ScalarDifference>
     for layer in &a.layers {
         let width = a.width as usize;
         let difference = match (&layer.values, b.layer(&layer.name)) {
-            (LayerValues::Scalar(ours), Some(LayerValues::Scalar(theirs))) => {
-                scalars("layer", width, Some(ours), Some(theirs), f32::is_nan)?
-            }
+            (LayerValues::Scalar(ours), Some(LayerValues::Scalar(theirs))) => scalars(
+                &layer.name,
+                (width, 1),
+                Some(ours),
+                Some(theirs),
+                f32::is_nan,
+            )?,
             (LayerValues::Vector(ours), Some(LayerValues::Vector(theirs))) => scalars(
-                "layer",
-                4 * width,
+                &layer.name,
+                (width, 4),
                 Some(ours.as_flattened()),
                 Some(theirs.as_flattened()),
                 f32::is_nan,
             )?,
             _ => None,
         };
-        if let Some(mut difference) = difference {
-            if let (LayerValues::Vector(_), Some(worst)) = (&layer.values, &mut difference.max) {
-                worst.x /= 4;
-            }
+        if let Some(difference) = difference {
             layers.insert(layer.name.clone(), difference);
         }
     }
@@ -205,12 +206,19 @@ pub(crate) fn check_pair(a: &Picture, b: &Picture) -> Result<(), MeasureError> {
     a.check()?;
     b.check()?;
     let is_wrong = |color: &[f32; 4]| color.iter().any(|c| !c.is_finite());
-    check_numbers("colour", a.width as usize, &a.color, &b.color, is_wrong)
+    check_numbers(
+        "colour",
+        (a.width as usize, 1),
+        &a.color,
+        &b.color,
+        is_wrong,
+    )
 }
 
+/// Of a buffer whose rows have so many pixels, of so many values each.
 fn check_numbers<T>(
-    buffer: &'static str,
-    width: usize,
+    buffer: &str,
+    row: (usize, usize),
     a: &[T],
     b: &[T],
     is_wrong: impl Fn(&T) -> bool,
@@ -227,9 +235,9 @@ fn check_numbers<T>(
     match first {
         None => Ok(()),
         Some(i) => {
-            let (x, y) = place(i, width);
+            let (x, y) = place(i, row);
             Err(MeasureError::NotANumber {
-                buffer,
+                buffer: buffer.to_owned(),
                 in_a,
                 in_b,
                 x,
@@ -240,8 +248,8 @@ fn check_numbers<T>(
 }
 
 fn scalars(
-    buffer: &'static str,
-    width: usize,
+    buffer: &str,
+    row: (usize, usize),
     a: Option<&[f32]>,
     b: Option<&[f32]>,
     is_wrong: impl Fn(f32) -> bool,
@@ -249,7 +257,7 @@ fn scalars(
     let (Some(a), Some(b)) = (a, b) else {
         return Ok(None);
     };
-    check_numbers(buffer, width, a, b, |value| is_wrong(*value))?;
+    check_numbers(buffer, row, a, b, |value| is_wrong(*value))?;
     let (mut squares, mut sum, mut one_sided) = (0.0, 0.0, 0);
     let mut max: Option<WorstValue> = None;
     let mut errors = Vec::with_capacity(a.len());
@@ -264,7 +272,7 @@ fn scalars(
         sum += error;
         errors.push(error.abs());
         if max.is_none_or(|max| error.abs() > max.error) {
-            let (x, y) = place(i, width);
+            let (x, y) = place(i, row);
             max = Some(WorstValue {
                 error: error.abs(),
                 x,
@@ -283,9 +291,10 @@ fn scalars(
     }))
 }
 
-/// Column and row of pixel `i`; a picture's sides fit u32.
-fn place(i: usize, width: usize) -> (u32, u32) {
-    ((i % width) as u32, (i / width) as u32)
+/// Column and row of value `i`, where a row is of so many pixels of so many values; a picture's sides fit u32.
+fn place(i: usize, (pixels, values): (usize, usize)) -> (u32, u32) {
+    let pixel = i / values;
+    ((pixel % pixels) as u32, (pixel / pixels) as u32)
 }
 
 /// The smallest value that at least 99.9 % of all do not pass; 0 of none.

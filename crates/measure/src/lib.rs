@@ -44,8 +44,8 @@ pub enum MeasureError {
          first at ({x}, {y}); find where it comes from before comparing"
     )]
     NotANumber {
-        /// `colour`, `depth` or `opacity`.
-        buffer: &'static str,
+        /// `colour`, `depth`, `opacity`, or the name of a layer.
+        buffer: String,
         /// Such pixels of the first picture.
         in_a: u64,
         /// Such pixels of the second picture.

@@ -5,7 +5,7 @@
 use volgraph_measure::{
     Channel, MeasureError, WorstPixel, WorstValue, compare, compare_without_flip, flip_mean,
 };
-use volgraph_picture::Picture;
+use volgraph_picture::{Layer, LayerValues, Picture};
 
 fn filled(width: u32, height: u32, color: [f32; 4]) -> Picture {
     Picture::from_color(width, height, vec![color; (width * height) as usize]).unwrap()
@@ -151,13 +151,13 @@ fn what_is_not_a_number_is_never_passed_over() {
         ] {
             match compare(a, b).unwrap_err() {
                 MeasureError::NotANumber {
-                    buffer: "colour",
+                    buffer,
                     in_a,
                     in_b,
                     x: 2,
                     y: 1,
                 } => {
-                    assert_eq!((in_a, in_b), counts);
+                    assert_eq!((&*buffer, (in_a, in_b)), ("colour", counts));
                 }
                 other => panic!("{other}"),
             }
@@ -167,14 +167,28 @@ fn what_is_not_a_number_is_never_passed_over() {
     deep.depth = Some(vec![1.0; 16]);
     let mut bad = deep.clone();
     bad.depth.as_mut().unwrap()[3] = f32::NAN;
-    assert!(matches!(
-        compare(&deep, &bad),
-        Err(MeasureError::NotANumber {
-            buffer: "depth",
-            in_b: 1,
-            ..
-        })
-    ));
+    let told = compare(&deep, &bad).unwrap_err();
+    assert!(
+        matches!(&told, MeasureError::NotANumber { buffer, in_b: 1, x: 3, y: 0, .. } if buffer == "depth"),
+        "{told}"
+    );
+    // A layer of vectors is told by its name, and by the pixel.
+    let mut layered = good;
+    layered.layers.push(Layer {
+        name: "normal".to_owned(),
+        values: LayerValues::Vector(vec![[0.5; 4]; 16]),
+    });
+    let mut bad = layered.clone();
+    bad.layers[0].values = LayerValues::Vector({
+        let mut values = vec![[0.5; 4]; 16];
+        values[7][2] = f32::NAN;
+        values
+    });
+    let told = compare(&layered, &bad).unwrap_err();
+    assert!(
+        matches!(&told, MeasureError::NotANumber { buffer, x: 3, y: 1, .. } if buffer == "normal"),
+        "{told}"
+    );
 }
 
 #[test]

@@ -67,7 +67,9 @@ fn leaps(node: &NodeContext<'_>) -> [(String, String); 2] {
     let emptiness = node.slot("emptiness");
     let has_labels = !Raycast.param_rows(node).is_empty();
     let reads_params = ["isovalue", "isovalue_transfer", "isosurfaces"].contains(&emptiness);
-    if node.slot("traverse") == "uniform"
+    // Leaps count in whole steps: walks of a user's own may end their segments anywhere.
+    let takes_whole_steps = ["skip", "adaptive"].contains(&node.slot("traverse"));
+    if !takes_whole_steps
         || emptiness == "none"
         || brick_ranges::margin(node.slot("reconstruct")).is_none()
         // Labels may have isosurfaces of their own.

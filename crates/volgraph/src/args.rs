@@ -94,15 +94,19 @@ pub enum Command {
     Watch(WatchArgs),
 }
 
+/// What stands between folders in one word, as in the system's other lists of them.
+const FOLDER_DELIMITER: char = if cfg!(windows) { ';' } else { ':' };
+
 /// Where shaders are looked for.
 #[derive(ClapArgs, Clone, Debug)]
 pub struct ShaderArgs {
-    /// A folder of your own shaders, searched first; may be given again.
+    /// A folder of your own shaders, searched first; may be given again. Several in one word have `:` between them (`;` on
+    /// Windows).
     #[arg(
         long,
         value_name = "FOLDER",
         env = "VOLGRAPH_SHADERS",
-        value_delimiter = ':'
+        value_delimiter = FOLDER_DELIMITER
     )]
     pub shaders: Vec<PathBuf>,
 }
@@ -119,12 +123,13 @@ impl ShaderArgs {
 /// Where volumes are looked for.
 #[derive(ClapArgs, Clone, Debug)]
 pub struct DataArgs {
-    /// A folder of volumes, for files that do not lie beside the graph; may be given again.
+    /// A folder of volumes, for files that do not lie beside the graph; may be given again. Several in one word have `:`
+    /// between them (`;` on Windows).
     #[arg(
         long,
         value_name = "FOLDER",
         env = "VOLGRAPH_DATA",
-        value_delimiter = ':'
+        value_delimiter = FOLDER_DELIMITER
     )]
     pub data: Vec<PathBuf>,
 }
@@ -365,11 +370,11 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
 }
 
 fn parse_dims(text: &str) -> Result<[u32; 3], String> {
-    let sides: Vec<u32> = text
-        .split('x')
-        .map_while(|side| side.parse().ok().filter(|n| *n > 0))
-        .collect();
-    <[u32; 3]>::try_from(sides).map_err(|_| "write it as XxYxZ, such as 256x256x128".to_owned())
+    let side = |side: &str| side.parse().ok().filter(|n| *n > 0);
+    let sides: Option<Vec<u32>> = text.split('x').map(side).collect();
+    sides
+        .and_then(|sides| <[u32; 3]>::try_from(sides).ok())
+        .ok_or_else(|| "write it as XxYxZ, such as 256x256x128".to_owned())
 }
 
 fn parse_type(text: &str) -> Result<ScalarType, String> {

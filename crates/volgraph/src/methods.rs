@@ -31,5 +31,5 @@ pub use session_stand::{OnPicture, Ready, SessionStand, timed_frame};
 pub use space::{Axis, MethodSpace, raycast_node};
 pub use stand::{Frames, Stand, Times, alternate};
 pub use survey::{Survey, SurveyOptions, SurveyProgress, survey};
-pub use turn::{middle, turned};
+pub use turn::{LEAST_TURN_DEGREES, around, middle, turned};
 pub use yardstick::{FINE_STEP, TruthKind, Yardstick, fine_method, is_uncovered};

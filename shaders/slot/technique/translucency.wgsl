@@ -1,6 +1,7 @@
 // The first isosurface that the ray meets, opaque to the eye but not to light: each light is attenuated by the way that
 // it goes inside of the solid before it comes to the point (Stegmaier et al. 2005, section 6), by colour, so that thin
 // parts glow when they are lit from behind. It lights the surface itself, without the slot `light`.
+// @skips isovalue
 #import "lib/first_hit.wgsl"
 #import "lib/lights.wgsl"
 #import "lib/shadow_ray.wgsl"

@@ -79,7 +79,11 @@ pub(super) fn settle(graph: &mut Graph, id: NodeId, made: &mut Made) -> bool {
     for link in links.chain(graph.outputs.values_mut()) {
         redirect(link, id, equal);
     }
-    graph.nodes[id].inputs.clear();
+    // What is left of it reads nothing, so nothing of it can be missing.
+    let left = &mut graph.nodes[id];
+    left.inputs.clear();
+    left.given.clear();
+    left.program = None;
     true
 }
 

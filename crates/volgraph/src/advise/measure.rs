@@ -57,6 +57,25 @@ pub fn measure(
     truth_options: &TruthOptions,
     progress: &dyn Progress,
 ) -> Result<(), Findings> {
+    let plan = plan_without_device(scene, options.size)?;
+    let has = |param: &str| {
+        let mut nodes = plan.graph.nodes.iter();
+        let node = nodes.find(|node| node.name == advice.node);
+        node.is_some_and(|node| node.specs().iter().any(|spec| spec.name == param))
+    };
+    let nothing = if advice.transfer.is_none() {
+        Some(advice.no_rule())
+    } else if !has("step") {
+        Some("it has no step to choose")
+    } else {
+        None
+    };
+    if let Some(why) = nothing {
+        advice.notes.push(format!("nothing is measured: {why}"));
+        return Ok(());
+    }
+    // A kind that ends no ray early has nothing to switch off.
+    let whole_rays = has("early_termination").then(|| "early_termination=0".to_owned());
     let as_it_is = altered(scene, &advice.node, &[], false)?;
     let mut truth = truth_of(&as_it_is, options.size, truth_options, progress);
     let is_plain = truth.is_err();
@@ -87,11 +106,11 @@ pub fn measure(
     let gpu = Arc::new(Gpu::open(&options.adapter)?);
     for classify in CLASSIFY {
         for step in MEASURED_STEPS {
-            let sets = [
+            let mut sets = vec![
                 format!("slots.classify={classify}"),
                 format!("step={step:?}"),
-                "early_termination=0".to_owned(),
             ];
+            sets.extend(whole_rays.clone());
             let scene = altered(scene, &advice.node, &sets, is_plain)?;
             let picture = Session::start(scene, Arc::clone(&gpu), options)?
                 .render()?

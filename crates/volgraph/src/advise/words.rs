@@ -31,11 +31,22 @@ impl Advice {
         format!("{sampling}; {refinement}; {}.", self.storage())
     }
 
+    /// Why there is no rule of a transfer function.
+    pub(super) fn no_rule(&self) -> &'static str {
+        let (low, high) = self.volume.range;
+        if low < high {
+            "no transfer function is read"
+        } else {
+            "all voxels are alike"
+        }
+    }
+
     fn sampling(&self) -> String {
         let Some(rule) = self.by_common_gradient else {
+            let why = self.no_rule();
+            let step = short(self.field_step.min(1.0));
             return format!(
-                "No transfer function is read: take steps of {} voxels or less, half a cycle of the field",
-                short(self.field_step.min(1.0))
+                "Take steps of {step} voxels or less, half a cycle of the field, as {why}"
             );
         };
         if !self.measured.is_empty() {

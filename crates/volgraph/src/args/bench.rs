@@ -2,14 +2,16 @@
 
 use std::path::PathBuf;
 
-use clap::Args as ClapArgs;
+use clap::{ArgGroup, Args as ClapArgs};
 use volgraph::bench::{Rotation, STAGES};
+use volgraph::methods::LEAST_TURN_DEGREES;
 use volgraph::{CameraDesc, ParamOverride};
 
 use super::{DataArgs, SceneArgs, ShaderArgs};
 
 /// `volgraph bench`.
 #[derive(ClapArgs, Debug)]
+#[command(group(ArgGroup::new("report").args(["tables", "growth", "start_up", "peers"]).multiple(true)))]
 pub struct BenchArgs {
     /// Graph files, or names of ready graphs: one to time; with --tables and --growth the techniques, in place of the ready
     /// ones; with --start-up what is started.
@@ -28,7 +30,12 @@ pub struct BenchArgs {
     #[arg(long, value_name = "FOLDER", requires = "output")]
     pub peers: Option<PathBuf>,
     /// The Python that runs the workers of --peers.
-    #[arg(long, value_name = "PROGRAM", default_value = "python3")]
+    #[arg(
+        long,
+        requires = "report",
+        value_name = "PROGRAM",
+        default_value = "python3"
+    )]
     pub python: PathBuf,
     /// The folder for bench.json and index.html; it is made where it is not there.
     #[arg(short, long, value_name = "FOLDER")]
@@ -40,10 +47,10 @@ pub struct BenchArgs {
     #[arg(long, value_name = "TEXT")]
     pub filter: Vec<String>,
     /// The stages that rays run in.
-    #[arg(long, value_name = "STAGE", value_delimiter = ',', default_values = STAGES, value_parser = STAGES)]
+    #[arg(long, requires = "report", value_name = "STAGE", value_delimiter = ',', default_values = STAGES, value_parser = STAGES)]
     pub stage: Vec<String>,
     /// Step of all techniques in voxels, for --tables.
-    #[arg(long, value_name = "VOXELS", default_value_t = 1.0, value_parser = parse_positive)]
+    #[arg(long, requires = "report", value_name = "VOXELS", default_value_t = 1.0, value_parser = parse_positive)]
     pub step: f64,
     /// Width and height of the picture in pixels, several with --tables. 512x512; for tables 1024x1024 as well.
     #[arg(long, value_name = "WxH", value_delimiter = ',', value_parser = super::parse_size)]
@@ -64,25 +71,25 @@ pub struct BenchArgs {
     pub turn: Option<f64>,
     /// Seconds for all of --tables, and the same for all of --growth, shared out evenly; each frame is drawn once all the
     /// same.
-    #[arg(long, value_name = "S", default_value_t = 900.0, value_parser = parse_positive)]
+    #[arg(long, requires = "report", value_name = "S", default_value_t = 900.0, value_parser = parse_positive)]
     pub seconds: f64,
     /// Largest viewport side of --growth.
-    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=16_384))]
+    #[arg(long, requires = "report", value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(1..=16_384))]
     pub largest_view: u32,
     /// Largest volume side of --growth.
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(2..=2048))]
+    #[arg(long, requires = "report", value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(2..=2048))]
     pub largest_volume: u32,
     /// Time drawing alone, without reading pixels back; of one graph.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "report")]
     pub no_read_back: bool,
     /// Leave the limit out; of one graph.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "report")]
     pub no_limit: bool,
     /// Set a parameter, a slot or a source's field; may be given again; of one graph.
-    #[arg(long, value_name = "NODE.PARAM=VALUE | NODE.slots.SLOT=CHOICE", value_parser = ParamOverride::parse)]
+    #[arg(long, conflicts_with = "report", value_name = "NODE.PARAM=VALUE | NODE.slots.SLOT=CHOICE", value_parser = ParamOverride::parse)]
     pub set: Vec<ParamOverride>,
     /// The camera of one graph, as a graph writes it.
-    #[arg(long, value_name = "CAMERA", value_parser = super::parse_camera)]
+    #[arg(long, conflicts_with = "report", value_name = "CAMERA", value_parser = super::parse_camera)]
     pub camera: Option<CameraDesc>,
     /// Where volumes are.
     #[command(flatten)]
@@ -167,8 +174,10 @@ impl BenchArgs {
 /// A camera that stands still would time frames in which nothing is done.
 fn parse_turn(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(turn) if turn.is_finite() && turn != 0.0 => Ok(turn),
-        _ => Err("give a number of degrees other than 0".to_owned()),
+        Ok(turn) if turn.is_finite() && turn.abs() >= LEAST_TURN_DEGREES => Ok(turn),
+        _ => Err(format!(
+            "give a number of degrees of at least {LEAST_TURN_DEGREES}, or below its negative"
+        )),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
-use volgraph::ParamOverride;
+use volgraph::{CameraDesc, ParamOverride};
 
 use super::{DataArgs, SceneArgs, ShaderArgs};
 
@@ -20,6 +20,9 @@ pub struct EachSceneArgs {
     /// volume, or one that is named `volume`.
     #[arg(long, value_name = "[NAME=]FILE", value_parser = super::parse_volume)]
     pub volume: Vec<(String, PathBuf)>,
+    /// The camera of every graph, as a graph writes it.
+    #[arg(long, value_name = "CAMERA", value_parser = super::parse_camera)]
+    pub camera: Option<CameraDesc>,
     /// Where volumes are.
     #[command(flatten)]
     pub data: DataArgs,
@@ -42,7 +45,7 @@ impl EachSceneArgs {
             size: self.size,
             set: self.set.clone(),
             volume: self.volume.clone(),
-            camera: None,
+            camera: self.camera.clone(),
             data: self.data.clone(),
             shaders: self.shaders.clone(),
             adapter: self.adapter.clone(),

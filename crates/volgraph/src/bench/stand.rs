@@ -6,11 +6,11 @@ use std::time::Instant;
 use glam::DVec3;
 use volgraph_gpu::Gpu;
 use volgraph_graph::Camera;
-use volgraph_report::{Finding, Findings};
+use volgraph_report::Findings;
 
 use super::memory::device_bytes;
-use super::rotation::{Rotation, around};
-use crate::methods::{Frames, middle};
+use super::rotation::Rotation;
+use crate::methods::{Frames, around, middle, timed_frame};
 use crate::scene::Scene;
 use crate::session::{Session, SessionOptions};
 
@@ -95,17 +95,7 @@ impl Frames for BenchStand {
             .copied()
             .unwrap_or(0.0);
         let degrees = degrees + self.offset_degrees;
-        ready
-            .session
-            .place_camera(around(&ready.camera, ready.target, ready.axis, degrees));
-        let start = Instant::now();
-        let report = ready.session.draw()?;
-        ready.session.read("color")?;
-        let ms = start.elapsed().as_secs_f64() * 1e3;
-        if report.ran().is_empty() {
-            let message = "a frame that was to be timed was that of before, and nothing was drawn";
-            return Err(Finding::error("bench-view", message).into());
-        }
-        Ok(ms)
+        let camera = around(&ready.camera, ready.target, ready.axis, degrees);
+        Ok(timed_frame(&mut ready.session, camera, true)?.0)
     }
 }

@@ -101,7 +101,9 @@ impl Row {
         })
     }
 
-    fn refused(stage: &str, why: String) -> Self {
+    /// A row of what is not drawn, and why.
+    #[must_use]
+    pub fn refused(stage: &str, why: String) -> Self {
         Self {
             stage: stage.to_owned(),
             refused: Some(why),
@@ -142,35 +144,30 @@ pub struct TableOptions {
     pub warm_up: u32,
 }
 
-/// Times a scene in these stages beside its limit. What a stage refuses is a row that says why.
-///
-/// # Errors
-/// Where the scene has no limit, or the device refuses that one.
+/// Times a scene in these stages beside its limit. What a stage refuses, of the scene or of its limit, is a row that says
+/// why.
 pub fn run_table(
     scene: &Scene,
     stages: &[&str],
     gpu: &Arc<Gpu>,
     session: &SessionOptions,
     options: &TableOptions,
-) -> Result<Vec<Row>, Findings> {
+) -> Vec<Row> {
     let mut stand = BenchStand::new(options.rotation.clone());
     let mut ready = Vec::new();
     let mut rows = Vec::new();
     for stage in stages {
-        let own = in_stage(scene, stage)?;
-        let limits = [limit_of(&own)?, empty_of(&own)?];
-        match Entry::new(own, gpu, session).and_then(|mut entry| {
+        let mut open = || -> Result<_, Findings> {
+            let own = in_stage(scene, stage)?;
+            let limits = [limit_of(&own)?, empty_of(&own)?];
+            let mut entry = Entry::new(own, gpu, session)?;
             stand.frame(&mut entry, 0)?;
-            Ok(entry)
-        }) {
-            Ok(entry) => {
-                let [limit, empty] = limits;
-                let limits = [
-                    Entry::new(limit, gpu, session)?,
-                    Entry::new(empty, gpu, session)?,
-                ];
-                ready.push((*stage, entry, limits));
-            }
+            let [limit, empty] = limits;
+            let limit = Entry::new(limit, gpu, session)?;
+            Ok((*stage, entry, [limit, Entry::new(empty, gpu, session)?]))
+        };
+        match open() {
+            Ok(entries) => ready.push(entries),
             Err(why) => rows.push(Row::refused(stage, why.to_string())),
         }
     }
@@ -193,7 +190,7 @@ pub fn run_table(
             entry.device_bytes(),
         ));
     }
-    Ok(rows)
+    rows
 }
 
 fn row(stage: &str, degrees: &[f64], times: &[crate::methods::Times], bytes: u64) -> Row {

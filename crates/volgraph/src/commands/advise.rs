@@ -16,7 +16,7 @@ use crate::progress::Bars;
 pub fn run(args: &AdviseArgs) -> anyhow::Result<ExitCode> {
     let scene = load(&args.scene)?;
     let mut advice = Advice::of(&scene)?;
-    if args.measure && advice.transfer.is_some() {
+    if args.measure {
         let bars = Bars::new();
         let mut options = session_options(&args.scene, None);
         options.size = args.measure_size;

@@ -53,6 +53,11 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
             writer.finish(args.json)?;
             Ok(ExitCode::SUCCESS)
         }
+        (_, [_]) if args.size.len() > 1 => Err(Findings::from(
+            Finding::error("bench-sizes", "one graph is timed at one size")
+                .help("give one `--size`; or add --tables -o FOLDER to compare several"),
+        )
+        .into()),
         (_, [graph]) => one::run(args, &scene_args(args, graph.clone())?),
         _ => Err(Findings::from(
             Finding::error("bench-graphs", "one graph is timed at a time")

@@ -29,7 +29,7 @@ use volgraph_shader::DiskFiles;
 
 use self::exhibit::Exhibit;
 use self::pictures::Pictures;
-use super::{load, session_options};
+use super::{load, session_options, write};
 use crate::args::ChartArgs;
 use crate::commands::nodes::first_sentence;
 use crate::output;
@@ -47,7 +47,7 @@ pub fn run(args: &ChartArgs) -> anyhow::Result<ExitCode> {
         None => None,
     };
     let names = names(&args.graphs)?;
-    make_folder(&args.output)?;
+    write::folder(&args.output)?;
     let gpu = Arc::new(Gpu::open(
         &args.each.scene(PathBuf::new()).adapter_choice(),
     )?);
@@ -60,7 +60,7 @@ pub fn run(args: &ChartArgs) -> anyhow::Result<ExitCode> {
         } else {
             format!("{}.html", exhibit.name)
         };
-        write(&args.output.join(page), &page::of(&exhibit)?)?;
+        write::whole(&args.output.join(page), &page::of(&exhibit)?)?;
         if !args.each.json {
             output::print(&exhibit.to_text());
         }
@@ -68,7 +68,7 @@ pub fn run(args: &ChartArgs) -> anyhow::Result<ExitCode> {
     }
     let index = args.output.join("index.html");
     if exhibits.len() > 1 {
-        write(&index, &page::index(&exhibits)?)?;
+        write::whole(&index, &page::index(&exhibits)?)?;
     }
     if args.each.json {
         let charts = exhibits.iter().map(Exhibit::to_json);
@@ -135,7 +135,7 @@ fn measure(
     bars.clear();
     let yardstick = yardstick?;
     let truth_seconds = started.elapsed().as_secs_f64();
-    make_folder(&args.output.join(&name))?;
+    write::folder(&args.output.join(&name))?;
     let mut pictures = Pictures::new(&args.output, &name, &yardstick)?;
     let mut stand = SessionStand {
         scene: &scene,
@@ -173,19 +173,4 @@ fn measure(
         space,
         name,
     })
-}
-
-fn make_folder(folder: &Path) -> Result<(), Findings> {
-    fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))
-}
-
-fn write(file: &Path, text: &str) -> Result<(), Findings> {
-    fs::write(file, text).map_err(|error| unwritable(file, &error))
-}
-
-fn unwritable(file: &Path, error: &std::io::Error) -> Findings {
-    Finding::error("io", format!("the chart cannot be written: {error}"))
-        .at(Place::whole_file(file))
-        .help("name a folder that you may write into")
-        .into()
 }

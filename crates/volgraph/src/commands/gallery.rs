@@ -12,17 +12,15 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use serde::Serialize;
-use volgraph::methods::{middle, turned};
-use volgraph::{
-    Finding, Findings, Place, ReadyGraph, Scene, Session, embedded, ready_graphs, registry,
-};
+use volgraph::methods::{middle, timed_frame, turned};
+use volgraph::{Finding, Findings, ReadyGraph, Scene, Session, embedded, ready_graphs, registry};
 use volgraph_gpu::Gpu;
 use volgraph_measure::timing::Summary;
 use volgraph_picture::SaveOptions;
 use volgraph_report::did_you_mean;
 
 use super::nodes::first_sentence;
-use super::{errors, session_options, tell_warnings};
+use super::{errors, session_options, tell_warnings, write};
 use crate::args::GalleryArgs;
 use crate::output;
 use crate::progress::Bars;
@@ -51,7 +49,7 @@ enum Shown {
 
 pub fn run(args: &GalleryArgs) -> anyhow::Result<ExitCode> {
     let graphs = wanted(&args.names)?;
-    fs::create_dir_all(&args.output).map_err(|error| unwritable(args, &error))?;
+    write::folder(&args.output)?;
     let gpu = Arc::new(Gpu::open(&args.each.scene("").adapter_choice())?);
     let adapter = gpu.adapter().to_string();
     let mut exhibits = Vec::new();
@@ -86,7 +84,7 @@ pub fn run(args: &GalleryArgs) -> anyhow::Result<ExitCode> {
         adapter: &adapter,
     };
     for (file, text) in [("index.html", page.html()), ("gallery.md", page.markdown())] {
-        fs::write(args.output.join(file), text).map_err(|error| unwritable(args, &error))?;
+        write::whole(&args.output.join(file), text)?;
     }
     if args.each.json {
         output::print_json(&serde_json::json!({
@@ -162,11 +160,8 @@ fn draw(args: &GalleryArgs, graph: &ReadyGraph, gpu: &Arc<Gpu>) -> Result<Shown,
     let mut frames = Vec::new();
     for frame in 1..=args.frames.max(1) {
         // A frame from the same place would be remembered, and not drawn.
-        session.place_camera(turned(&camera, target, f64::from(frame)));
-        let start = Instant::now();
-        session.draw()?;
-        session.read("color")?;
-        frames.push(start.elapsed().as_secs_f64() * 1e3);
+        let camera = turned(&camera, target, f64::from(frame));
+        frames.push(timed_frame(&mut session, camera, true)?.0);
     }
     let file = format!("{}.png", graph.name);
     let target = args.output.join(&file);
@@ -183,11 +178,4 @@ fn draw(args: &GalleryArgs, graph: &ReadyGraph, gpu: &Arc<Gpu>) -> Result<Shown,
         first_ms,
         frame_ms: timed.median,
     }))
-}
-
-fn unwritable(args: &GalleryArgs, error: &std::io::Error) -> Findings {
-    Finding::error("io", format!("the gallery cannot be written: {error}"))
-        .at(Place::whole_file(&args.output))
-        .help("name a folder that you may write into")
-        .into()
 }

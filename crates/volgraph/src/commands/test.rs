@@ -9,7 +9,6 @@ mod junit;
 mod page;
 mod pictures;
 
-use std::fs;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -19,9 +18,9 @@ use serde_json::{Value, json};
 use volgraph::case::{
     self, CaseReport, Outcome, RunOptions, STOCK_SCENES, Selection, Verdict, run_files,
 };
-use volgraph::{AdapterChoice, Case, CaseOptions, Finding, Findings, Place};
+use volgraph::{AdapterChoice, Case, CaseOptions, Finding, Findings};
 
-use super::check;
+use super::{check, write};
 use crate::args::TestArgs;
 use crate::output;
 
@@ -39,7 +38,7 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
         return list(&files, &options.case, args.json);
     }
     if let Some(folder) = &args.html {
-        fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
+        write::folder(folder)?;
     }
     let told = |report: &CaseReport| tell(report, args.json);
     let reports = run_files(&files, &options, &told);
@@ -52,7 +51,7 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
     }
     if let Some(file) = &args.junit {
         let text = junit::xml(&reports)?;
-        fs::write(file, text).map_err(|error| unwritable(file, &error))?;
+        write::whole(file, text)?;
     }
     if let Some(folder) = &args.html {
         page::write(folder, &reports, &options.case)?;
@@ -135,13 +134,6 @@ fn nothing_selected(args: &TestArgs) -> Findings {
     let message = format!("nothing is named `{}`", args.filter.join("` or `"));
     Finding::error("no-case", message)
         .help("`volgraph test --list` lists the names")
-        .into()
-}
-
-fn unwritable(path: &Path, error: &std::io::Error) -> Findings {
-    Finding::error("io", format!("it cannot be written: {error}"))
-        .at(Place::whole_file(path))
-        .help("name a place that you may write to")
         .into()
 }
 

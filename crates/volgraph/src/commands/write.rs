@@ -2,7 +2,8 @@
 //!
 //! The way of the data: all targets are looked at first, and every one that is there is a finding. The contents are
 //! then written under other names beside their targets, and only when all are whole are they given their names. What
-//! fails on the way takes back what was made, folders included.
+//! fails on the way takes back what was made, folders included. Pages and reports, which are made again and again, are
+//! replaced one by one ([`whole`]).
 
 use std::fs;
 use std::io::Write;
@@ -56,6 +57,24 @@ pub fn files(
         made.take_back();
     }
     written.map(|()| targets)
+}
+
+/// Writes a file, in the place of one that is there: an interrupt leaves the old one or the new one, whole.
+///
+/// # Errors
+/// `io`; `file-exists` for a folder of that name.
+pub fn whole(file: &Path, content: impl AsRef<[u8]>) -> Result<(), Findings> {
+    let name = PathBuf::from(file.file_name().unwrap_or_default());
+    let folder = file.parent().unwrap_or(Path::new("."));
+    files(folder, &[(name, content.as_ref())], Existing::Replaced).map(|_| ())
+}
+
+/// Makes a folder with those that it is in, where it is not there.
+///
+/// # Errors
+/// `io`.
+pub fn folder(folder: &Path) -> Result<(), Findings> {
+    fs::create_dir_all(folder).map_err(|error| failed(folder, &error))
 }
 
 fn exists(target: &Path, existing: Existing) -> Finding {

@@ -4,10 +4,10 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::DVec3;
-use volgraph_gpu::Gpu;
+use volgraph_gpu::{FrameReport, Gpu};
 use volgraph_graph::Camera;
 use volgraph_picture::Picture;
-use volgraph_report::Findings;
+use volgraph_report::{Finding, Findings};
 
 use super::accuracy::Errors;
 use super::measurement::Method;
@@ -79,7 +79,7 @@ impl Frames for SessionStand<'_> {
 
     fn frame(&mut self, ready: &mut Ready, number: u32) -> Result<f64, Findings> {
         let camera = turned(&ready.camera, ready.target, f64::from(number));
-        timed_frame(&mut ready.session, camera)
+        Ok(timed_frame(&mut ready.session, camera, true)?.0)
     }
 }
 
@@ -104,14 +104,27 @@ impl Stand for SessionStand<'_> {
     }
 }
 
-/// Draws a frame and reads its colours back; milliseconds.
+/// Draws a frame from a camera, with its colours in memory where they are read back: milliseconds, and what was done.
 ///
 /// # Errors
-/// As [`Session::draw`].
-pub fn timed_frame(session: &mut Session, camera: Camera) -> Result<f64, Findings> {
+/// As [`Session::draw`]; `same-view` where nothing had to be drawn, since the camera is where it was.
+pub fn timed_frame(
+    session: &mut Session,
+    camera: Camera,
+    reads_back: bool,
+) -> Result<(f64, FrameReport), Findings> {
     session.place_camera(camera);
     let start = Instant::now();
-    session.draw()?;
-    session.read("color")?;
-    Ok(start.elapsed().as_secs_f64() * 1e3)
+    let report = session.draw()?;
+    if reads_back {
+        session.read("color")?;
+    }
+    let ms = start.elapsed().as_secs_f64() * 1e3;
+    if report.ran().is_empty() {
+        let message = "a frame that was to be timed was that of before, and nothing was drawn";
+        return Err(Finding::error("same-view", message)
+            .help("turn the camera farther from frame to frame")
+            .into());
+    }
+    Ok((ms, report))
 }

@@ -436,7 +436,7 @@ impl Frames for Turning {
     fn frame(&mut self, entrant: &mut Entrant, number: u32) -> Result<f64, Findings> {
         let camera = turned(&entrant.camera, self.0, f64::from(number));
         let session = entrant.session.as_mut().ok_or_else(Findings::new)?;
-        timed_frame(session, camera)
+        Ok(timed_frame(session, camera, true)?.0)
     }
 }
 

@@ -2,12 +2,11 @@
 
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::time::Instant;
 
 use serde_json::{Value, json};
 use volgraph::bench::{device_bytes, empty_of, limit_of, peak_resident_bytes};
-use volgraph::methods::{middle, turned};
-use volgraph::{Findings, FrameReport, Scene, Session, SessionOptions, open_beside};
+use volgraph::methods::{middle, timed_frame, turned};
+use volgraph::{Findings, Scene, Session, SessionOptions, open_beside};
 use volgraph_gpu::Gpu;
 use volgraph_measure::timing::{Summary, ratio};
 
@@ -22,48 +21,56 @@ pub fn run(args: &BenchArgs, scene_args: &SceneArgs) -> anyhow::Result<ExitCode>
     let gpu = Arc::new(gpu?);
     let reads_back = !args.no_read_back;
     let mut session = Session::start(scene, Arc::clone(&gpu), &options)?;
-    let (_, mut last) = frame(&mut session, reads_back)?;
+    // The first picture is the graph's own view.
+    let mut last = session.draw()?;
+    if reads_back {
+        session.read("color")?;
+    }
     let first_picture_ms = clock::milliseconds();
     let peak_resident = peak_resident_bytes();
+    let (first, target) = (session.view().camera, middle(session.plan()));
     // What a budget has chosen is in the session's own scene.
     let limits = if args.no_limit {
         None
     } else {
         limits(session.scene(), &gpu, &options)
     };
-    let mut limits = limits.map(Vec::from).unwrap_or_default();
-    let first = session.view().camera;
-    let target = middle(session.plan());
+    let mut sessions = vec![session];
+    sessions.extend(limits.into_iter().flatten());
     let (frames, warm_up) = (args.frames.unwrap_or(9), args.warm_up.unwrap_or(3));
     let turn = args.turn.unwrap_or(1.0);
-    let mut frame_ms = Vec::new();
-    let mut limit_ms = [Vec::new(), Vec::new()];
+    let mut times = vec![Vec::new(); sessions.len()];
     let mut gpu_ms: Vec<f64> = Vec::new();
-    // The first picture has been the graph's own view.
     for number in 1..=warm_up + frames {
         let camera = turned(&first, target, f64::from(number) * turn);
-        session.place_camera(camera);
-        let (ms, report) = frame(&mut session, reads_back)?;
-        for (limit, times) in limits.iter_mut().zip(&mut limit_ms) {
-            limit.place_camera(camera);
-            let (ms, _) = frame(limit, reads_back)?;
+        let mut order: Vec<usize> = (0..sessions.len()).collect();
+        // Forwards and backwards, so that what comes first and what comes last change places.
+        if number % 2 == 0 {
+            order.reverse();
+        }
+        for at in order {
+            let (ms, report) = timed_frame(&mut sessions[at], camera, reads_back)?;
             if number > warm_up {
-                times.push(ms);
+                times[at].push(ms);
+            }
+            if at == 0 {
+                let nodes = report.nodes.iter().filter_map(|node| node.gpu_ms);
+                let device: Vec<f64> = nodes.collect();
+                if number > warm_up && !device.is_empty() {
+                    gpu_ms.push(device.iter().sum());
+                }
+                last = report;
             }
         }
-        if number > warm_up {
-            frame_ms.push(ms);
-            let times: Vec<f64> = report.nodes.iter().filter_map(|node| node.gpu_ms).collect();
-            if !times.is_empty() {
-                gpu_ms.push(times.iter().sum());
-            }
-        }
-        last = report;
     }
-    let summary = Summary::of(&frame_ms)?;
+    let (session, frame_ms) = (&sessions[0], &times[0]);
+    let summary = Summary::of(frame_ms)?;
     // Some devices tell no times.
     let device = Summary::of(&gpu_ms).ok();
-    let limit = Limit::of(&frame_ms, &limit_ms);
+    let limit = match &times[..] {
+        [frame_ms, limit_ms, empty_ms] => Limit::of(frame_ms, limit_ms, empty_ms),
+        _ => None,
+    };
     if args.json {
         output::print_json(&json!({
             "adapter": session.adapter(),
@@ -74,7 +81,7 @@ pub fn run(args: &BenchArgs, scene_args: &SceneArgs) -> anyhow::Result<ExitCode>
             "limit": limit.as_ref().map(Limit::to_json),
             "first_picture_ms": first_picture_ms,
             "peak_resident_bytes": peak_resident,
-            "device_bytes": device_bytes(&session),
+            "device_bytes": device_bytes(session),
             "last_frame": last,
         }));
         return Ok(ExitCode::SUCCESS);
@@ -98,7 +105,7 @@ pub fn run(args: &BenchArgs, scene_args: &SceneArgs) -> anyhow::Result<ExitCode>
     }
     output::print(&format!(
         "first picture {first_picture_ms:.0} ms after the start; until then {}",
-        memory(&session, peak_resident),
+        memory(session, peak_resident),
     ));
     Ok(ExitCode::SUCCESS)
 }
@@ -120,20 +127,11 @@ pub fn mib(bytes: u64) -> String {
     format!("{:.1} MiB", bytes as f64 / f64::from(1 << 20))
 }
 
-fn frame(session: &mut Session, reads_back: bool) -> Result<(f64, FrameReport), Findings> {
-    let start = Instant::now();
-    let report = session.draw()?;
-    if reads_back {
-        session.read("color")?;
-    }
-    Ok((start.elapsed().as_secs_f64() * 1e3, report))
-}
-
 /// Sessions of the limit and of the empty frame; none where the picture is of no raycast.
 fn limits(scene: &Scene, gpu: &Arc<Gpu>, options: &SessionOptions) -> Option<[Session; 2]> {
     let open = |scene: Result<Scene, Findings>| {
         let mut session = Session::start(scene.ok()?, Arc::clone(gpu), options).ok()?;
-        frame(&mut session, false).ok()?;
+        session.draw().ok()?;
         Some(session)
     };
     Some([open(limit_of(scene))?, open(empty_of(scene))?])
@@ -147,7 +145,7 @@ struct Limit {
 }
 
 impl Limit {
-    fn of(frame_ms: &[f64], [limit, empty]: &[Vec<f64>; 2]) -> Option<Self> {
+    fn of(frame_ms: &[f64], limit: &[f64], empty: &[f64]) -> Option<Self> {
         Some(Self {
             limit: Summary::of(limit).ok()?,
             empty: Summary::of(empty).ok()?,

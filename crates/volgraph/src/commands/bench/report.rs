@@ -1,14 +1,14 @@
 //! What was measured so far, as a file and as a page.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use volgraph::bench::{Growth, PeerRow, Table};
-use volgraph::{AdapterSummary, Finding, Findings, Place};
+use volgraph::{AdapterSummary, Finding, Findings};
 
 use super::page;
 use super::start_up::StartUp;
+use crate::commands::write;
 use crate::output;
 
 /// All that a report holds.
@@ -95,7 +95,7 @@ pub struct Writer {
 impl Writer {
     /// Makes the folder.
     pub fn new(folder: &Path, report: Report) -> Result<Self, Findings> {
-        fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
+        write::folder(folder)?;
         let writer = Self {
             folder: folder.to_path_buf(),
             report,
@@ -110,28 +110,8 @@ impl Writer {
         let json = serde_json::to_string_pretty(&self.report).map_err(|error| {
             Finding::error("io", format!("the report cannot be written: {error}"))
         })?;
-        self.replace("bench.json", &json)?;
-        self.replace("index.html", &page::of(&self.report)?)
-    }
-
-    /// Whole or not at all: an interrupt leaves what was there.
-    fn replace(&self, name: &str, text: &str) -> Result<(), Findings> {
-        let file = self.folder.join(name);
-        let written = tempfile::Builder::new()
-            .tempfile_in(&self.folder)
-            .and_then(|mut beside| {
-                std::io::Write::write_all(&mut beside, text.as_bytes())?;
-                #[cfg(unix)]
-                {
-                    use std::os::unix::fs::PermissionsExt as _;
-                    beside
-                        .as_file()
-                        .set_permissions(fs::Permissions::from_mode(0o644))?;
-                }
-                beside.persist(&file).map_err(|error| error.error)?;
-                Ok(())
-            });
-        written.map_err(|error| unwritable(&file, &error))
+        write::whole(&self.folder.join("bench.json"), json)?;
+        write::whole(&self.folder.join("index.html"), page::of(&self.report)?)
     }
 
     /// Writes all of it and says where.
@@ -145,11 +125,4 @@ impl Writer {
         }
         Ok(())
     }
-}
-
-fn unwritable(file: &Path, error: &std::io::Error) -> Findings {
-    Finding::error("io", format!("the report cannot be written: {error}"))
-        .at(Place::whole_file(file))
-        .help("name a folder that you may write into")
-        .into()
 }

@@ -96,6 +96,12 @@ fn start(
             command.arg(option).arg(folder);
         }
     }
+    for volume in &bench.args.volume {
+        command.arg("--volume").arg(volume);
+    }
+    if let Some(most) = bench.args.max_resource_gib {
+        command.arg("--max-resource-gib").arg(most.to_string());
+    }
     if let Some(adapter) = &bench.args.adapter {
         command.arg("--adapter").arg(adapter);
     }

@@ -55,8 +55,13 @@ pub fn run(bench: &Bench<'_>, writer: &mut Writer) -> Result<(), Findings> {
                     ..bench.options.clone()
                 };
                 let stages: Vec<&str> = args.stage.iter().map(String::as_str).collect();
-                let scene = technique.scene(subject, args.step, &shaders)?;
-                let rows = run_table(&scene, &stages, &bench.gpu, &session, &options)?;
+                let rows = match technique.scene(subject, args.step, &shaders) {
+                    Ok(scene) => run_table(&scene, &stages, &bench.gpu, &session, &options),
+                    Err(why) => {
+                        let refused = |stage: &&str| Row::refused(stage, why.to_string());
+                        stages.iter().map(refused).collect()
+                    }
+                };
                 let table = Table {
                     volume: subject.name.clone(),
                     size,

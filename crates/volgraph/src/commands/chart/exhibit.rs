@@ -8,7 +8,8 @@ use volgraph::methods::peers::{Peer, ScenePeers};
 use volgraph::methods::{Measurement, MethodSpace, Survey, TruthKind, front};
 
 use super::pictures::AllFiles;
-use super::{plot, table, write};
+use super::{plot, table};
+use crate::commands::write;
 
 /// What a chart shows of a graph.
 pub struct Exhibit {
@@ -166,12 +167,12 @@ impl Exhibit {
 
     /// Writes the table and the chart.
     pub fn write(&self, folder: &Path) -> Result<(), Findings> {
-        write(
+        write::whole(
             &folder.join(format!("{}.csv", self.name)),
             &table::csv(self)?,
         )?;
         let plot = plot::draw(self)?;
-        write(&folder.join(format!("{}.svg", self.name)), &plot.svg)
+        write::whole(&folder.join(format!("{}.svg", self.name)), &plot.svg)
     }
 
     /// The front, for people.

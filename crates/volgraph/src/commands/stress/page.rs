@@ -1,16 +1,15 @@
 //! The page of `volgraph stress`: each breaking point with its pictures, error maps and curves.
 
-use std::fs;
 use std::path::Path;
 
 use maud::{Markup, PreEscaped, html};
 use volgraph::stress::{CaseReport, MethodReport, Pixels, Verdict};
-use volgraph::{Finding, Findings, Picture, Place};
+use volgraph::{Finding, Findings, Picture};
 use volgraph_picture::SaveOptions;
 
 use super::curve;
 use crate::commands::html::Page;
-use crate::commands::{drawing, errors};
+use crate::commands::{drawing, errors, write};
 
 const STYLE: &str = "
     body { margin: 2rem auto; max-width: 78rem; padding: 0 1rem; }
@@ -38,18 +37,12 @@ pub fn write(
     adapter: &str,
     seconds: f64,
 ) -> Result<(), Findings> {
-    let unwritable = |error: std::io::Error| {
-        Finding::error("io", format!("the page cannot be written: {error}"))
-            .at(Place::whole_file(folder))
-            .help("name a folder that you may write into")
-    };
-    fs::create_dir_all(folder).map_err(unwritable)?;
+    write::folder(folder)?;
     for report in reports {
         pictures(folder, report)?;
     }
     let text = page(reports, adapter, seconds)?;
-    fs::write(folder.join("index.html"), text).map_err(unwritable)?;
-    Ok(())
+    write::whole(&folder.join("index.html"), text)
 }
 
 fn page(reports: &[CaseReport], adapter: &str, seconds: f64) -> Result<String, Findings> {

@@ -10,8 +10,9 @@ use volgraph_gpu::Gpu;
 
 use super::chart::{self, Plot};
 use super::pictures::{Pictures, difference};
-use super::{summary, unwritable};
+use super::summary;
 use crate::commands::html::Page;
+use crate::commands::write;
 
 const STYLE: &str = "
     section { background: #1f2226; border-radius: 6px; padding: .4rem 1rem 1rem; margin: 1rem 0; }
@@ -59,8 +60,7 @@ pub fn write(folder: &Path, reports: &[CaseReport], options: &CaseOptions) -> an
         style: STYLE,
         adapter: &adapter,
     };
-    let file = folder.join("index.html");
-    fs::write(&file, page.around(&body)).map_err(|error| unwritable(&file, &error))?;
+    write::whole(&folder.join("index.html"), page.around(&body))?;
     Ok(())
 }
 

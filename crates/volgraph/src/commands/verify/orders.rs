@@ -1,7 +1,6 @@
 //! The orders of convergence of a graph, and whether they are as declared.
 
 use std::fmt::Write;
-use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -18,7 +17,7 @@ use volgraph_measure::convergence::{ABOVE_FLOOR, LEAST_POINTS};
 
 use super::{plot, svg};
 use crate::args::{STOCK, VerifyArgs};
-use crate::commands::{session_options, tell_warnings};
+use crate::commands::{session_options, tell_warnings, write};
 use crate::output;
 use crate::progress::Bars;
 
@@ -173,13 +172,9 @@ fn not_measured(skipped: &Skipped, name: &str) -> Finding {
 }
 
 fn write_svg(folder: &Path, studies: &[Study], name: &str) -> Result<(), Findings> {
-    let io = |path: &Path, error: std::io::Error| {
-        Findings::from(Finding::error("io", error.to_string()).at(Place::whole_file(path)))
-    };
-    fs::create_dir_all(folder).map_err(|error| io(folder, error))?;
     for study in studies {
-        let path = folder.join(format!("{}.svg", study.axis.name()));
-        fs::write(&path, svg::study(study, name)?).map_err(|error| io(&path, error))?;
+        let file = folder.join(format!("{}.svg", study.axis.name()));
+        write::whole(&file, svg::study(study, name)?)?;
     }
     Ok(())
 }
