@@ -261,3 +261,59 @@ fn a_choice_is_made_once_and_stays_while_people_edit() {
     .unwrap();
     assert_eq!(session.scene().overrides.params, plain.overrides.params);
 }
+
+#[test]
+fn an_edit_that_the_chosen_renderer_does_not_draw_gets_another() {
+    // The software raycaster has no depth, and draws no lights.
+    for backend in adapters() {
+        let stage = stage("quality: budget(rmse: 0.01),", SMOOTH);
+        drop(session(&stage, &[], &backend));
+        // As it is kept where the software raycaster is the fastest, which changes from machine to machine.
+        for kept in std::fs::read_dir(stage.path().join("cache/quality")).unwrap() {
+            let kept = kept.unwrap().path();
+            let method = r#"{"method":[{"name":"renderer","is_slot":false,"value":{"text":"software"}}],
+                "rmse":0.001,"ms":1.0,"is_met":true,"is_reference":true,"tried":1}"#;
+            std::fs::write(kept, method).unwrap();
+        }
+        let mut session = session(&stage, &[], &backend);
+        assert!(session.chosen().unwrap().method.is_software(), "{backend}");
+        let text = graph("quality: budget(rmse: 0.01),");
+        let edits = [
+            text.replace(
+                r#"{ "color": "image.color" }"#,
+                r#"{ "color": "image.color", "depth": "image.depth" }"#,
+            ),
+            text.replace(
+                r#""rays": "box" }"#,
+                r#""rays": "box" }, slots: { "light": "phong" }"#,
+            ),
+            text,
+        ];
+        for edited in edits {
+            stage.write("graph.ron", &edited);
+            let path = stage.path().join("graph.ron");
+            match session.apply(&Change::Files([path].into())) {
+                Ok(Outcome::Drawn(_)) => {}
+                other => panic!("{backend}: {other:?} of {edited}"),
+            }
+            let own = graph("quality: budget(rmse: 0.01),");
+            let chosen = session.chosen().unwrap();
+            assert!(edited == own || !chosen.method.is_software(), "{chosen}");
+        }
+    }
+}
+
+#[test]
+fn no_step_is_tried_that_is_too_short_for_the_longest_ray() {
+    // A cube's diagonal, of more than 7000 of the smallest voxels: a step of a sixteenth were too many segments for a walk.
+    let text = graph("quality: budget(rmse: 0.000001),").replace("(24, 24, 24)", "(2, 2, 4096)");
+    let stage = stage("", PEAK).with("graph.ron", text);
+    let options = SessionOptions {
+        cache: Some(stage.path().join("cache")),
+        ..options(&[], &adapters()[0], [8, 8])
+    };
+    let session = Session::open(stage.path().join("graph.ron"), &options);
+    let session = session.unwrap_or_else(|findings| panic!("{findings}"));
+    let chosen = session.chosen().unwrap();
+    assert!(!chosen.is_met, "{chosen}");
+}

@@ -261,6 +261,9 @@ pub trait NodeKind: Send + Sync {
         None
     }
 
+    /// Lets go of what it keeps from picture to picture, which costs the next one time alone.
+    fn forget(&self) {}
+
     /// The uniforms it fills itself, beside `lens`, `camera` and `params`.
     fn uniforms(&self) -> &[&'static str] {
         &[]

@@ -50,6 +50,13 @@ impl Registry {
         self.sources.get(name)
     }
 
+    /// Lets all kinds go of what they keep between pictures: the next one takes longer, and that is all.
+    pub fn forget(&self) {
+        for kind in self.nodes.values() {
+            kind.forget();
+        }
+    }
+
     /// All node kinds, by name.
     pub fn nodes(&self) -> impl Iterator<Item = &Arc<dyn NodeKind>> {
         self.nodes.values()

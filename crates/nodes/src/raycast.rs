@@ -18,6 +18,7 @@ use self::ports::{INPUTS, LAYERS, OUTPUTS, SLOTS};
 pub use self::tables::data_value;
 pub(crate) use self::tables::{TablePorts, table_range, transfer_uniform};
 use self::tables::{check_table_sizes, check_tables_of_labels};
+pub use self::walk::shortest_step;
 pub(crate) use self::walk::{MAX_SEGMENTS, check_walk, longest_ray, walk_slots};
 
 use crate::background::Background;

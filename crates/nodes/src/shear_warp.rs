@@ -130,6 +130,10 @@ impl NodeKind for ShearWarp {
         ]
     }
 
+    fn forget(&self) {
+        self.memory.forget();
+    }
+
     fn passes_follow_camera(&self) -> bool {
         true
     }

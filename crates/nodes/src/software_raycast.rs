@@ -109,6 +109,10 @@ impl NodeKind for SoftwareRaycast {
         ]
     }
 
+    fn forget(&self) {
+        self.memory.forget();
+    }
+
     fn passes_follow_camera(&self) -> bool {
         true
     }

@@ -78,6 +78,9 @@ fn distances(dims: [u32; 3], is_one: impl Fn(usize) -> bool) -> Vec<i32> {
             for (i, value) in line.iter_mut().enumerate() {
                 *value = away[start + i * stride];
             }
+            if line.iter().all(|away| *away >= FARTHEST) {
+                continue;
+            }
             for i in 0..count {
                 let mut best = line[i];
                 let mut step = 1;

@@ -22,8 +22,9 @@ use volgraph_nodes::reference::raycast_scene;
 use volgraph_picture::Picture;
 use volgraph_report::Findings;
 
-use crate::methods::{Method, TruthKind, raycast_node};
+use crate::methods::{Method, TruthKind, draws_the_same, raycast_node};
 use crate::overrides::ParamOverride;
+use crate::renderer::{self, is_software};
 use crate::scene::Scene;
 use crate::session::SessionOptions;
 
@@ -120,13 +121,72 @@ pub fn choose(
     if let Some(kept) = file.as_deref().and_then(keep::read) {
         return Ok(Some(kept.chosen(desc.budget, node)));
     }
-    let chosen = calibrate::calibrate(scene, gpu, options, &plan, &node, desc.budget)?;
+    let chosen = calibrate::calibrate(scene, gpu, options, &plan, &node, desc.budget);
+    // What was only tried has filled it.
+    scene.registry.forget();
+    let chosen = chosen?;
     // What cannot be kept is chosen again next time; so is what may have been too slow for another's load alone.
     let is_lasting = |chosen: &&Chosen| chosen.is_met || matches!(chosen.budget, Budget::Rmse(_));
     if let (Some(file), Some(chosen)) = (file, chosen.as_ref().filter(is_lasting)) {
         let _ = keep::write(&file, chosen);
     }
     Ok(chosen)
+}
+
+/// A scene with the method that its budget asks for. A budget that was settled before is settled as it was: while people
+/// edit, the method stays.
+pub(crate) fn settle(
+    scene: Scene,
+    gpu: &Arc<Gpu>,
+    options: &SessionOptions,
+    before: Option<&Chosen>,
+) -> Result<(Scene, Option<Chosen>), Findings> {
+    let Some(desc) = scene
+        .desc
+        .quality
+        .as_ref()
+        .filter(|_| !options.is_as_written)
+    else {
+        return Ok((scene, None));
+    };
+    let same_budget = before.filter(|before| before.budget == desc.budget);
+    let chosen = match same_budget {
+        Some(before) if still_draws(before, &scene, gpu, options)? => {
+            Some(before.overruled_by(&scene.overrides.params))
+        }
+        _ => choose(&scene, gpu, options)?,
+    };
+    let Some(chosen) = chosen else {
+        return Ok((scene, None));
+    };
+    // What is set by name holds, that of an earlier choice as well.
+    let mut method = chosen.method.overrides(&chosen.node);
+    let known = &scene.overrides.params;
+    method.retain(|set| known.iter().all(|known| !known.sets_the_same(set)));
+    Ok((scene.with_sets(&method)?, Some(chosen)))
+}
+
+/// Whether what was chosen draws what the scene is now: the software raycaster draws less than a device does.
+fn still_draws(
+    before: &Chosen,
+    scene: &Scene,
+    gpu: &Arc<Gpu>,
+    options: &SessionOptions,
+) -> Result<bool, Findings> {
+    let Some(node) = scene.desc.nodes.get(&before.node) else {
+        return Ok(false);
+    };
+    if !before.method.is_software() {
+        return Ok(true);
+    }
+    if !renderer::may_take_over(&before.node, node, &scene.overrides.params) {
+        return Ok(false);
+    }
+    let shaders = scene.shader_library(gpu.capabilities());
+    let plan = scene.plan(&shaders, &options.limits(gpu), options.size, false)?;
+    let mut nodes = plan.graph.nodes.iter();
+    let id = nodes.position(|node| node.name == before.node);
+    Ok(id.is_some_and(|id| is_software(&node.kind) || draws_the_same(&plan, id)))
 }
 
 /// Most pixels of a picture that are held against the reference to say what was achieved.
@@ -136,7 +196,7 @@ const SAMPLED: usize = 4096;
 /// those are. `None` where the reference does not compute what the graph draws.
 #[must_use]
 pub fn achieved(plan: &Plan, view: &View, picture: &Picture) -> Option<(f64, usize)> {
-    let sample = Sample::of(plan, view)?;
+    let sample = Sample::of(plan, view, 1e-6)?;
     Some((sample.rmse(picture), sample.pixels.len()))
 }
 
@@ -147,12 +207,13 @@ struct Sample {
 }
 
 impl Sample {
-    fn of(plan: &Plan, view: &View) -> Option<Self> {
+    /// To a tolerance; `None` where the reference does not compute what the graph draws.
+    fn of(plan: &Plan, view: &View, tolerance: f64) -> Option<Self> {
         let node = raycast_node(plan).ok()?;
         let scene = raycast_scene(&plan.context(node, view, None), view).ok()?;
         let [width, height] = view.size;
         let pixels = sample(width, height);
-        let colors = volgraph_reference::render_pixels(&scene, &pixels, 1e-6).ok()?;
+        let colors = volgraph_reference::render_pixels(&scene, &pixels, tolerance).ok()?;
         Some(Self { pixels, colors })
     }
 

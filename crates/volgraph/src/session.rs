@@ -28,7 +28,6 @@ use crate::dependencies::Dependencies;
 use crate::kept::KeptFiles;
 use crate::overrides::Overrides;
 use crate::quality::{self, Chosen};
-use crate::renderer;
 use crate::scene::{NoProgress, Scene, SourceProgress};
 use crate::shaders::ShaderFolders;
 use crate::truth::default_cache;
@@ -231,7 +230,7 @@ impl Session {
         let limits = options.limits(&gpu);
         let plan_of =
             |scene: &Scene| scene.plan(&shaders, &limits, options.size, options.with_layers);
-        let settled = settle(scene.clone(), &gpu, options, None);
+        let settled = quality::settle(scene.clone(), &gpu, options, None);
         let (scene, chosen) = match settled {
             Ok((scene, chosen)) => (scene, Ok(chosen)),
             Err(findings) => (scene, Err(findings)),
@@ -450,44 +449,6 @@ impl Session {
 
 fn runner(gpu: Arc<Gpu>, options: &SessionOptions) -> Runner {
     Runner::new(gpu).keeping(KeptFiles::below(options.cache.as_ref()))
-}
-
-/// A scene with the method that its budget asks for. A budget that was settled before is settled as it was: while people
-/// edit, the method stays.
-fn settle(
-    scene: Scene,
-    gpu: &Arc<Gpu>,
-    options: &SessionOptions,
-    before: Option<&Chosen>,
-) -> Result<(Scene, Option<Chosen>), Findings> {
-    let Some(desc) = scene
-        .desc
-        .quality
-        .as_ref()
-        .filter(|_| !options.is_as_written)
-    else {
-        return Ok((scene, None));
-    };
-    let still_fits = |before: &&Chosen| {
-        let node = scene.desc.nodes.get(&before.node);
-        before.budget == desc.budget
-            && node.is_some_and(|node| {
-                !before.method.is_software()
-                    || renderer::may_take_over(&before.node, node, &scene.overrides.params)
-            })
-    };
-    let chosen = match before.filter(still_fits) {
-        Some(before) => Some(before.overruled_by(&scene.overrides.params)),
-        None => quality::choose(&scene, gpu, options)?,
-    };
-    let Some(chosen) = chosen else {
-        return Ok((scene, None));
-    };
-    // What is set by name holds, that of an earlier choice as well.
-    let mut method = chosen.method.overrides(&chosen.node);
-    let known = &scene.overrides.params;
-    method.retain(|set| known.iter().all(|known| !known.sets_the_same(set)));
-    Ok((scene.with_sets(&method)?, Some(chosen)))
 }
 
 impl State {

@@ -137,6 +137,12 @@ fn check_refinement(node: &NodeContext<'_>) -> Result<(), Finding> {
     Ok(())
 }
 
+/// The shortest step, in voxels of the smallest spacing, at which the longest ray through a volume is still walked whole.
+#[must_use]
+pub fn shortest_step(grid: &Grid) -> f64 {
+    longest_ray(grid) / (MAX_SEGMENTS * grid.min_spacing())
+}
+
 /// The longest way through a volume's box, in world units.
 pub(crate) fn longest_ray(grid: &Grid) -> f64 {
     let corners = grid.corners_world();

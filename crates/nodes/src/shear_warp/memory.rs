@@ -66,6 +66,11 @@ fn remembered<T>(
 }
 
 impl ShearMemory {
+    /// Lets go of all of it.
+    pub(super) fn forget(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Remembered::default();
+    }
+
     pub(super) fn prepare(&self, drawing: &ShearDrawing) -> Result<Prepared, Finding> {
         let mut memory = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         memory.slices.retain(|(it, _)| it.strong_count() > 0);

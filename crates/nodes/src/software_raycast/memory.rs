@@ -71,6 +71,11 @@ fn remember<T>(all: &mut Vec<T>, one: T) {
 }
 
 impl SoftwareMemory {
+    /// Lets go of all of it.
+    pub(super) fn forget(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Remembered::default();
+    }
+
     pub(super) fn prepare(&self, drawing: &SoftwareDrawing) -> Result<Prepared, Finding> {
         let mut memory = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         memory

@@ -21,7 +21,7 @@ use std::time::Instant;
 
 use serde_json::json;
 use volgraph::methods::peers::Peers;
-use volgraph::methods::{MethodSpace, SessionStand, SurveyProgress, survey};
+use volgraph::methods::{MethodSpace, SessionStand, SurveyProgress, fine_step, survey};
 use volgraph::truth::plan_without_device;
 use volgraph::{Finding, Findings, Place};
 use volgraph_gpu::Gpu;
@@ -166,6 +166,7 @@ fn measure(
         others: others.unwrap_or_default(),
         truth: yardstick.kind,
         truth_bound: yardstick.bound,
+        fine_step: fine_step(&plan).map_err(Findings::from)?,
         truth_seconds,
         core_pixels: yardstick.core.iter().filter(|is_core| **is_core).count(),
         pictures: pictures.finish(),

@@ -57,18 +57,20 @@ pub(super) fn unoffered(plan: &Plan, id: NodeId, filter: &Filter) -> Finding {
         .help("`device` is a raycast's own; `software` draws unlit emission and absorption of a whole volume")
 }
 
+/// Whether the software raycaster draws the same picture as a node of the device.
+pub(crate) fn draws_the_same(plan: &Plan, id: NodeId) -> bool {
+    // It has a colour alone.
+    let is_more = |output: &volgraph_graph::Link| output.node == id && output.port != "color";
+    let view = plan.view();
+    !plan.graph.outputs.values().any(is_more)
+        && instead_of(&plan.context(id, &view, None), &view).is_ok()
+}
+
 fn offered(plan: &Plan, id: NodeId, filters: &[Filter]) -> Option<Vec<Axis>> {
     let node = &plan.graph.nodes[id];
-    if is_software(&node.kind_name()) {
+    if is_software(&node.kind_name()) || !draws_the_same(plan, id) {
         return None;
     }
-    // It has a colour alone.
-    let mut outputs = plan.graph.outputs.values();
-    if outputs.any(|output| output.node == id && output.port != "color") {
-        return None;
-    }
-    let view = plan.view();
-    instead_of(&plan.context(id, &view, None), &view).ok()?;
     let own = |name: &str| node.params.get(name).cloned();
     let specs = software_specs();
     let spec = |name: &str| specs.iter().find(|spec| spec.name == name);

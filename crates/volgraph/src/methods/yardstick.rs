@@ -14,8 +14,8 @@ use super::measurement::{Method, Setting};
 use super::space::raycast_node;
 use crate::truth::{Truth, TruthOptions};
 
-/// The step of the truth that is drawn finely, in voxels.
-pub const FINE_STEP: f64 = 1.0 / 32.0;
+/// The step of the truth that is drawn finely, in voxels, where the longest ray is not too long for it.
+const FINE_STEP: f64 = 1.0 / 32.0;
 
 /// Where a truth comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -36,6 +36,26 @@ pub fn is_uncovered(findings: &Findings) -> bool {
         .all(|finding| finding.code == "not-covered")
 }
 
+/// The shortest step in voxels that the raycast of a plan may have for the longest ray through its volume; with a margin
+/// for rounding.
+///
+/// # Errors
+/// As [`raycast_node`].
+pub fn shortest_step(plan: &Plan) -> Result<f64, Finding> {
+    let view = plan.view();
+    let node = plan.context(raycast_node(plan)?, &view, None);
+    let volume = volgraph_nodes::placement::volume(&node, "volume")?;
+    Ok(1.001 * volgraph_nodes::raycast::shortest_step(volume.grid()))
+}
+
+/// The step of the truth that is drawn finely, in voxels.
+///
+/// # Errors
+/// As [`raycast_node`].
+pub fn fine_step(plan: &Plan) -> Result<f64, Finding> {
+    Ok(FINE_STEP.max(shortest_step(plan)?))
+}
+
 /// The settings of a plan's raycast that stand for the truth where the reference does not compute it: a very fine step, to
 /// the end of each ray, voxels in f32; those that it has.
 ///
@@ -44,7 +64,7 @@ pub fn is_uncovered(findings: &Findings) -> bool {
 pub fn fine_method(plan: &Plan) -> Result<Method, Finding> {
     let node = &plan.graph.nodes[raycast_node(plan)?];
     let settings = [
-        ("step", ParamValue::Float(FINE_STEP)),
+        ("step", ParamValue::Float(fine_step(plan)?)),
         ("early_termination", ParamValue::Float(0.0)),
         ("volume_storage", ParamValue::Text("r32float".to_owned())),
     ];

@@ -12,7 +12,7 @@ use volgraph_graph::{Budget, Plan};
 use volgraph_report::{Finding, Findings};
 use volgraph_shader::ParamValue;
 
-use super::search::{self, COARSEST, FINEST};
+use super::search::{self, COARSEST};
 use super::trial::{Entrant, SHARE, STEP, Trial, Way};
 use super::{Chosen, Sample};
 use crate::methods::{Axis, MethodSpace};
@@ -33,6 +33,9 @@ const OCTAVES_BEHIND: i32 = 3;
 
 /// How often a promised time is measured until it is kept and used.
 const ATTEMPTS: usize = 5;
+
+/// So many methods are held against the picture itself, at most.
+const MOST_HELD: usize = 6;
 
 /// A time budget is used where a frame takes at least this share of it.
 const USED: f64 = 0.75;
@@ -74,14 +77,15 @@ pub(super) fn calibrate(
     {
         ways.extend(software_ways(&space));
     }
-    let found = entrants(&mut trial, ways, 1.0, budget);
+    let start = trial.finest_step().max(1.0);
+    let found = entrants(&mut trial, ways, start, budget);
     let mut best = winner(&mut trial, found, budget)?;
     if let Some(axis) = storage.filter(|_| !best.way.is_software()) {
         let others = axis.values.iter().enumerate();
         let others = others.filter(|(at, _)| *at != axis.base);
         let ways = others.map(|(_, value)| best.way.with(axis, value));
         let ways: Vec<Way> = ways.collect();
-        let step = best.step.unwrap_or(1.0);
+        let step = best.step.unwrap_or(start);
         let mut found = entrants(&mut trial, ways, step, budget);
         // In turn with the best so far: times of different minutes do not compare.
         found.push(best);
@@ -135,7 +139,7 @@ fn own(way: &Way, axis: Option<&Axis>) -> Way {
 /// Of each way what the budget asks for; ways that the scene refuses are left out.
 fn entrants(trial: &mut Trial, ways: Vec<Way>, step: f64, budget: Budget) -> Vec<Entrant> {
     let mut found: Vec<Entrant> = Vec::new();
-    let mut finest = FINEST;
+    let mut finest = trial.finest;
     for way in ways {
         let entered = trial.enter(way, step).and_then(|mut entrant| {
             match budget {
@@ -197,41 +201,55 @@ fn longest_step(
 /// Gives an entrant the step with which a frame should take `most` milliseconds.
 fn step_in_time(trial: &mut Trial, mut entrant: Entrant, most: f64) -> Result<Entrant, Findings> {
     if trial.has_step {
-        let mut timed = [(1.0, 0.0), (4.0, 0.0)];
+        let finest = trial.finest_step();
+        let first = finest.max(1.0);
+        let mut timed = [(first, 0.0), (4.0 * first, 0.0)];
         for (step, ms) in &mut timed {
             trial.set_step(&mut entrant, *step)?;
             entrant = trial.time(entrant, false)?;
             *ms = entrant.ms;
         }
         let [fine, coarse] = timed;
-        trial.set_step(&mut entrant, search::step_in_time(fine, coarse, most))?;
+        trial.set_step(
+            &mut entrant,
+            search::step_in_time(fine, coarse, most, finest),
+        )?;
     }
     trial.measure(&mut entrant)?;
     Ok(entrant)
 }
 
-/// Holds the picture itself against the reference, since small views may miss where most of its error is. What is not inside
-/// gets a shorter step; where that does not help (a floor: tables, storage), the next best of what was inside takes its
-/// place, and where none is left, the nearest. What the reference does not compute is left as it is.
+/// Holds the picture itself against the reference, since small views may miss where most of its error is. What is not
+/// inside gets a shorter step. Where that does not help (a floor: tables, storage), and where it makes it slower than
+/// others, those that lost the race take their turn; the fastest that is inside is taken, and where none is, the nearest.
+/// What the reference does not compute is left as it is.
 fn keep_error(trial: &mut Trial, best: Entrant, most: f64) -> Result<Entrant, Findings> {
     let mut best = best;
     let Some(sample) = trial.sample(&mut best)? else {
         return Ok(best);
     };
-    let mut nearest: Option<Entrant> = None;
+    let (mut kept, mut nearest): (Option<Entrant>, Option<Entrant>) = (None, None);
     let mut next = Some(best);
-    while let Some(entrant) = next {
-        let entrant = shortened(trial, &sample, entrant, most)?;
-        let is_kept = entrant.rmse <= most;
-        if nearest.as_ref().is_none_or(|it| entrant.rmse < it.rmse) {
-            nearest = Some(entrant);
+    for _ in 0..MOST_HELD {
+        let Some(entrant) = next else { break };
+        match shortened(trial, &sample, entrant, most) {
+            Ok(entrant) if entrant.rmse <= most => {
+                if kept.as_ref().is_none_or(|kept| entrant.ms < kept.ms) {
+                    kept = Some(entrant);
+                }
+            }
+            Ok(entrant) => {
+                if nearest.as_ref().is_none_or(|it| entrant.rmse < it.rmse) {
+                    nearest = Some(entrant);
+                }
+            }
+            Err(findings) => trial.refused.push(findings),
         }
-        if is_kept {
-            break;
-        }
-        next = trial.next_best(SHARE * most);
+        let faster_than = kept.as_ref().map_or(f64::INFINITY, |kept| kept.ms);
+        next = trial.next_best(SHARE * most, faster_than);
     }
-    nearest.ok_or_else(Findings::new)
+    kept.or(nearest)
+        .ok_or_else(|| trial.refused.pop().unwrap_or_default())
 }
 
 /// The same entrant with the first step that keeps the error in a sample of the picture, as long as shorter steps help.
@@ -242,29 +260,29 @@ fn shortened(
     most: f64,
 ) -> Result<Entrant, Findings> {
     // A shorter step is not worse in the small views either.
-    let predicted = entrant.rmse;
-    let mut before = f64::INFINITY;
-    loop {
+    let (predicted, ms) = (entrant.rmse, entrant.ms);
+    let Some(step) = entrant.step else {
         let rmse = sample.rmse(&trial.picture(&mut entrant)?);
         entrant.rmse = predicted.max(rmse);
-        let helps = rmse * search::LEAST_GAIN <= before;
-        let Some(step) = entrant.step.filter(|_| rmse > most && helps) else {
-            return Ok(entrant);
-        };
-        // An octave at least, as `search::LEAST_GAIN` is of one.
-        let next = (step * (SHARE * most / rmse).min(0.5)).max(search::step(FINEST));
-        if next >= step {
-            return Ok(entrant);
-        }
-        before = rmse;
-        trial.set_step(&mut entrant, next)?;
+        return Ok(entrant);
+    };
+    let finest = trial.finest_step();
+    let (found, rmse) = search::shortened(step, finest, most, SHARE, |step| {
+        trial.set_step(&mut entrant, step)?;
+        Ok::<_, Findings>(sample.rmse(&trial.picture(&mut entrant)?))
+    })?;
+    if found == step {
+        entrant.ms = ms;
+    } else {
         entrant = trial.time(entrant, false)?;
     }
+    entrant.rmse = predicted.max(rmse);
+    Ok(entrant)
 }
 
 /// Measures the time of a frame at the picture's own size, and changes the step until the time is kept and used.
 fn keep_time(trial: &mut Trial, mut best: Entrant, most: f64) -> Result<Entrant, Findings> {
-    let bounds = [FINEST, COARSEST].map(search::step);
+    let bounds = [trial.finest_step(), search::step(COARSEST)];
     // The shortest step that kept the time.
     let mut kept: Option<(f64, f64)> = None;
     for _ in 0..ATTEMPTS {

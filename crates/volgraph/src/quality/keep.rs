@@ -16,7 +16,7 @@ use crate::scene::Scene;
 use crate::truth::prune;
 
 /// Changes with how choices are made, so that older ones are made again.
-const REVISION: u32 = 4;
+const REVISION: u32 = 5;
 
 /// Most bytes of all choices.
 const MAX_KEPT_BYTES: u64 = 4 << 20;
@@ -25,7 +25,8 @@ const MAX_KEPT_BYTES: u64 = 4 << 20;
 const MAX_BYTES: u64 = 64 << 10;
 
 /// Of all that a choice depends on: what each node does in the graph's own view, the choices that there are of what is
-/// chosen, what is set by name, the budget, the adapter, what plans may ask of it, and volgraph itself.
+/// chosen, what is set by name, the budget, the adapter, what plans may ask of it, how many cores there are, and volgraph
+/// itself.
 pub(super) fn digest(
     scene: &Scene,
     plan: &Plan,
@@ -38,6 +39,8 @@ pub(super) fn digest(
     hasher.part(&REVISION.to_le_bytes());
     hasher.part(format!("{:?}", plan.limits).as_bytes());
     hasher.part(gpu.adapter().to_string().as_bytes());
+    let cores = (std::env::consts::ARCH, rayon::current_num_threads());
+    hasher.part(format!("{cores:?}").as_bytes());
     hasher.part(format!("{budget:?} {:?}", scene.overrides.params).as_bytes());
     for fingerprint in plan.fingerprints(&plan.view()).values() {
         hasher.part(fingerprint);

@@ -3,23 +3,33 @@
 //! Steps are 2^(rung / 4) voxels. [`longest`] takes the error to fall with the step: from where it starts it goes up or
 //! down by octaves until the bound lies in between, and then halves what is left. A method whose error no longer falls
 //! (a floor: early termination, tables, storage) is given up, not followed to the finest step. [`best`] is the fastest
-//! inside an error budget, or the most accurate inside a time; where none is inside, the nearest.
+//! inside an error budget, or the most accurate inside a time; where none is inside, the nearest. [`shortened`] makes of a
+//! step one that keeps the error elsewhere as well.
 
 use volgraph_graph::Budget;
 
 const RUNGS_TO_AN_OCTAVE: i32 = 4;
 
 /// A sixteenth of a voxel, and 16 voxels.
-pub(super) const FINEST: i32 = -16;
+const FINEST: i32 = -16;
 pub(super) const COARSEST: i32 = 16;
 
 /// Below half a voxel an octave has to make the error at least so many times less.
-pub(super) const LEAST_GAIN: f64 = 1.3;
+const LEAST_GAIN: f64 = 1.3;
 const GAIN_IS_ASKED_BELOW: i32 = -RUNGS_TO_AN_OCTAVE;
 
 /// The step of a rung, in voxels.
 pub(super) fn step(rung: i32) -> f64 {
     (f64::from(rung) / f64::from(RUNGS_TO_AN_OCTAVE)).exp2()
+}
+
+/// The finest rung whose step is no shorter than this one.
+pub(super) fn finest_rung(shortest: f64) -> i32 {
+    let mut rung = FINEST;
+    while rung < COARSEST && step(rung) < shortest {
+        rung += 1;
+    }
+    rung
 }
 
 /// The rung nearest to a step.
@@ -81,9 +91,31 @@ pub(super) fn longest<E>(
     }
 }
 
+/// A step and its error: the first of shorter and shorter ones whose error is at most `most`, as long as an octave makes
+/// it less, and no step is below `finest`; else the last that was tried. Of `most` the share `share` is aimed at.
+pub(super) fn shortened<E>(
+    start: f64,
+    finest: f64,
+    most: f64,
+    share: f64,
+    mut error: impl FnMut(f64) -> Result<f64, E>,
+) -> Result<(f64, f64), E> {
+    let (mut step, mut before) = (start, f64::INFINITY);
+    loop {
+        let rmse = error(step)?;
+        let helps = rmse * LEAST_GAIN <= before;
+        // An octave at least, as `LEAST_GAIN` is of one.
+        let next = (step * (share * most / rmse).min(0.5)).max(finest);
+        if rmse <= most || !helps || next >= step {
+            return Ok((step, rmse));
+        }
+        (before, step) = (rmse, next);
+    }
+}
+
 /// The step, between the finest and the coarsest, with which a frame should take `most` milliseconds, from two that were
 /// timed: a frame takes a constant, and a share for each segment.
-pub(super) fn step_in_time(fine: (f64, f64), coarse: (f64, f64), most: f64) -> f64 {
+pub(super) fn step_in_time(fine: (f64, f64), coarse: (f64, f64), most: f64, finest: f64) -> f64 {
     let share = (fine.1 - coarse.1) / (fine.0.recip() - coarse.0.recip());
     let rest = fine.1 - share / fine.0;
     let ideal = if most <= rest {
@@ -93,7 +125,7 @@ pub(super) fn step_in_time(fine: (f64, f64), coarse: (f64, f64), most: f64) -> f
     } else {
         0.0
     };
-    ideal.clamp(step(FINEST), step(COARSEST))
+    ideal.max(finest).min(step(COARSEST))
 }
 
 /// What is known of a method.
@@ -174,13 +206,51 @@ mod tests {
     fn steps_follow_from_two_times() {
         // 10 ms and 40 ms for each segment in a voxel.
         let ms = |step: f64| 10.0 + 40.0 / step;
-        let in_time = |most| step_in_time((1.0, ms(1.0)), (4.0, ms(4.0)), most);
+        let finest = step(FINEST);
+        let in_time = |most| step_in_time((1.0, ms(1.0)), (4.0, ms(4.0)), most, finest);
         assert!((in_time(30.0) - 2.0).abs() < 1e-12);
         assert!((in_time(90.0) - 0.5).abs() < 1e-12);
         assert_eq!(in_time(9.0), step(COARSEST));
-        assert_eq!(in_time(1e9), step(FINEST));
+        assert_eq!(in_time(1e9), finest);
         // Noise: the longer step took longer.
-        assert_eq!(step_in_time((1.0, 20.0), (4.0, 21.0), 50.0), step(FINEST));
+        assert_eq!(step_in_time((1.0, 20.0), (4.0, 21.0), 50.0, 0.5), 0.5);
+    }
+
+    #[test]
+    fn a_step_gets_shorter_as_long_as_that_helps() {
+        let shorten = |most: f64, finest: f64, law: fn(f64) -> f64| {
+            let mut tried = Vec::new();
+            let found = shortened(1.0, finest, most, 0.8, |step| {
+                tried.push(step);
+                Ok::<_, ()>(law(step))
+            });
+            (found.unwrap(), tried)
+        };
+        // What is inside stays; a little outside costs an octave, and much as many as it takes.
+        assert_eq!(
+            shorten(0.02, 0.0, |step| 0.01 * step),
+            ((1.0, 0.01), vec![1.0])
+        );
+        assert_eq!(shorten(0.009, 0.0, |step| 0.01 * step).1, [1.0, 0.5]);
+        let ((step, rmse), tried) = shorten(1e-4, 0.0, |step| 0.01 * step);
+        assert!(
+            rmse <= 1e-4 && step > 0.005 && tried.len() <= 3,
+            "{tried:?}"
+        );
+        // A floor, and the shortest step that there is.
+        let ((step, rmse), tried) = shorten(1e-4, 0.0, |step| 3e-3 + 1e-3 * step);
+        assert!(rmse > 3e-3 && step < 1.0 && tried.len() == 2, "{tried:?}");
+        let ((step, _), _) = shorten(1e-4, 0.25, |step| 0.01 * step);
+        assert_eq!(step, 0.25);
+        assert_eq!(shortened(1.0, 0.1, 1.0, 0.8, |_| Err("lost")), Err("lost"));
+    }
+
+    #[test]
+    fn the_finest_rung_is_no_shorter_than_a_ray_allows() {
+        assert_eq!(finest_rung(0.0), FINEST);
+        assert_eq!(finest_rung(0.5), -4);
+        assert_eq!(finest_rung(0.51), -3);
+        assert_eq!(finest_rung(1e9), COARSEST);
     }
 
     #[test]

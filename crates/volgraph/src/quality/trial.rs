@@ -18,7 +18,7 @@ use super::Sample;
 use super::search::{self, Figures};
 use crate::methods::{
     Axis, Frames, Method, Setting, TruthKind, Yardstick, alternate, fine_method, is_uncovered,
-    timed_frame, turned,
+    shortest_step, timed_frame, turned,
 };
 use crate::overrides::ParamOverride;
 use crate::renderer;
@@ -130,6 +130,10 @@ pub(super) struct Trial<'a> {
     target: DVec3,
     views: Vec<(Camera, Yardstick)>,
     pub has_step: bool,
+    /// No ray is walked in shorter steps: a rung.
+    pub finest: i32,
+    /// The tolerance of the small views' truth.
+    tolerance: f64,
     /// Methods that were drawn.
     pub tried: usize,
     /// Who lost a race: without a session.
@@ -183,26 +187,31 @@ impl<'a> Trial<'a> {
             target: DVec3::ZERO,
             views: Vec::new(),
             has_step,
+            finest: search::finest_rung(0.0),
+            // Well below what is asked for.
+            tolerance: match budget {
+                Budget::Rmse(rmse) => (1e-2 * rmse).clamp(1e-8, 1e-5),
+                Budget::TimeMs(_) => 1e-6,
+            },
             tried: 0,
             beaten: Vec::new(),
             refused: Vec::new(),
         };
-        trial.look(budget)?;
+        trial.look()?;
         Ok(trial)
     }
 
     /// Finds out what the small views should be.
-    fn look(&mut self, budget: Budget) -> Result<(), Findings> {
+    fn look(&mut self) -> Result<(), Findings> {
         let shaders = self.scene.shader_library(self.gpu.capabilities());
         let limits = self.small.limits(self.gpu);
         let plan = self.scene.plan(&shaders, &limits, self.small.size, false)?;
         self.target = crate::methods::middle(&plan);
-        let tolerance = match budget {
-            Budget::Rmse(rmse) => (1e-2 * rmse).clamp(1e-8, 1e-5),
-            Budget::TimeMs(_) => 1e-6,
-        };
+        if self.has_step {
+            self.finest = search::finest_rung(shortest_step(&plan)?);
+        }
         let truth = TruthOptions {
-            tolerance,
+            tolerance: self.tolerance,
             cache: self.small.cache.clone(),
         };
         let own = plan.view();
@@ -289,6 +298,11 @@ impl<'a> Trial<'a> {
         Ok(())
     }
 
+    /// The shortest step that is tried, in voxels.
+    pub fn finest_step(&self) -> f64 {
+        search::step(self.finest)
+    }
+
     fn resize(&self, entrant: &mut Entrant, size: [u32; 2]) -> Result<(), Findings> {
         let session = self.wake(entrant)?;
         if session.view().size != size {
@@ -299,21 +313,23 @@ impl<'a> Trial<'a> {
 
     /// Some pixels of the picture itself, and what they should be; `None` where the reference does not compute them.
     pub fn sample(&mut self, entrant: &mut Entrant) -> Result<Option<Sample>, Findings> {
-        self.resize(entrant, self.size)?;
-        let camera = entrant.camera;
-        let session = self.wake(entrant)?;
-        session.place_camera(camera);
-        Ok(Sample::of(session.plan(), session.view()))
+        let tolerance = self.tolerance;
+        let session = self.at_its_size(entrant)?;
+        Ok(Sample::of(session.plan(), session.view(), tolerance))
     }
 
     /// Draws the picture itself by an entrant.
     pub fn picture(&mut self, entrant: &mut Entrant) -> Result<Picture, Findings> {
         self.tried += 1;
+        Ok(self.at_its_size(entrant)?.render_checked()?.0)
+    }
+
+    /// An entrant's session with the picture's own size and camera, which follows the size.
+    fn at_its_size<'e>(&self, entrant: &'e mut Entrant) -> Result<&'e mut Session, Findings> {
         self.resize(entrant, self.size)?;
-        let camera = entrant.camera;
         let session = self.wake(entrant)?;
-        session.place_camera(camera);
-        Ok(session.render_checked()?.0)
+        session.place_camera(session.plan().view().camera);
+        Ok(session)
     }
 
     /// Draws the small views by an entrant.
@@ -357,10 +373,11 @@ impl<'a> Trial<'a> {
         best
     }
 
-    /// The fastest that was beaten, of those whose error in the small views is at most `most`; each once.
-    pub fn next_best(&mut self, most: f64) -> Option<Entrant> {
+    /// The fastest that was beaten, of those whose error in the small views is at most `most` and who take less than `ms`;
+    /// each once.
+    pub fn next_best(&mut self, most: f64, ms: f64) -> Option<Entrant> {
         let inside = self.beaten.iter().enumerate();
-        let inside = inside.filter(|(_, it)| it.rmse <= most);
+        let inside = inside.filter(|(_, it)| it.rmse <= most && it.ms < ms);
         let (at, _) = inside.min_by(|(_, a), (_, b)| a.ms.total_cmp(&b.ms))?;
         Some(self.beaten.swap_remove(at))
     }

@@ -18,10 +18,10 @@ use volgraph_shader::{DiskFiles, SnapshotFiles};
 
 use super::change::{Change, ChangeReport, Drawn, Outcome, Refused, ms};
 use super::compare::{is_same, new_warnings, params, roles, unknown};
-use super::{Session, Stance, State, picture, settle};
+use super::{Session, Stance, State, picture};
 use crate::dependencies::Dependencies;
 use crate::overrides::{Overrides, ParamOverride};
-use crate::quality::Chosen;
+use crate::quality::{self, Chosen};
 use crate::scene::{Scene, SourceProgress, read_text};
 
 /// What was tried: a new state with its picture, or `None` where it would be the old one.
@@ -210,7 +210,7 @@ impl Session {
         let shaders = old
             .shaders
             .with_roots(scene.shader_roots(Arc::new(snapshot.clone())));
-        let settled = settle(scene.clone(), &gpu, &self.options, old.chosen.as_ref());
+        let settled = quality::settle(scene.clone(), &gpu, &self.options, old.chosen.as_ref());
         if let Ok((settled, _)) = &settled {
             scene = settled.clone();
         }

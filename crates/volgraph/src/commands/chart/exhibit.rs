@@ -33,6 +33,8 @@ pub struct Exhibit {
     pub truth: TruthKind,
     /// Bound of its own error.
     pub truth_bound: Option<f64>,
+    /// The step in voxels of a truth that is drawn finely.
+    pub fine_step: f64,
     /// Seconds that the truth took, which the survey's time does not have.
     pub truth_seconds: f64,
     /// How many pixels are core pixels.

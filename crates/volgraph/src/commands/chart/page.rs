@@ -3,7 +3,7 @@
 use maud::{Markup, PreEscaped, html};
 use serde_json::{Value, json};
 use volgraph::Findings;
-use volgraph::methods::{FINE_STEP, Measurement, TruthKind};
+use volgraph::methods::{Measurement, TruthKind};
 use volgraph_graph::print::CONVENTIONS;
 
 use super::exhibit::{Exhibit, Metric, short};
@@ -284,7 +284,7 @@ fn how(exhibit: &Exhibit) -> Markup {
         TruthKind::Fine => format!(
             "the same graph at a step of 1/{:.0} voxel on the device, in f32, for the reference does not compute it (or was not asked to); \
              its own error is not known, and methods cannot be told apart below about 1e-5",
-            1.0 / FINE_STEP
+            1.0 / exhibit.fine_step
         ),
     };
     let whole = if survey.product <= options.max_whole {

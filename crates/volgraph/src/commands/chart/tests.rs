@@ -81,6 +81,7 @@ fn exhibit() -> Exhibit {
         },
         truth: TruthKind::Reference,
         truth_bound: Some(1e-9),
+        fine_step: 1.0 / 32.0,
         truth_seconds: 7.0,
         core_pixels: 12,
         pictures: [].into(),

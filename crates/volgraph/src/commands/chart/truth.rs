@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use volgraph::methods::{FINE_STEP, Yardstick, fine_method, is_uncovered, raycast_node};
+use volgraph::methods::{Yardstick, fine_method, fine_step, is_uncovered, raycast_node};
 use volgraph::{Findings, Plan, Scene, Session, SessionOptions};
 use volgraph_gpu::Gpu;
 
@@ -32,7 +32,7 @@ pub fn of(
                 output::note(&format!(
                     "{}; the truth is the same graph at a step of 1/{:.0} voxel",
                     finding.message,
-                    1.0 / FINE_STEP
+                    1.0 / fine_step(plan)?
                 ));
             }
             fine(scene, gpu, options, plan)
