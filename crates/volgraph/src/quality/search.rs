@@ -238,7 +238,7 @@ mod tests {
             "{tried:?}"
         );
         // A floor, and the shortest step that there is.
-        let ((step, rmse), tried) = shorten(1e-4, 0.0, |step| 3e-3 + 1e-3 * step);
+        let ((step, rmse), tried) = shorten(1e-4, 0.0, |step| 3e-3 + 8e-4 * step);
         assert!(rmse > 3e-3 && step < 1.0 && tried.len() == 2, "{tried:?}");
         let ((step, _), _) = shorten(1e-4, 0.25, |step| 0.01 * step);
         assert_eq!(step, 0.25);
