@@ -18,17 +18,13 @@ fn bricks_at(place: vec3f) -> vec3i {
     return clamp(vec3i(floor(place)), vec3i(0), bricks.dims - vec3i(1));
 }
 
-// Where a brick's texel is in a map.
+// Where a brick's texel is in a map. Whole numbers are divided one by one on processors: floats are not.
 fn bricks_texel(brick: vec3i) -> vec2i {
-    let tile = vec2i(brick.z % bricks.columns, brick.z / bricks.columns);
-    return tile * bricks.dims.xy + brick.xy;
+    let row = i32((f32(brick.z) + 0.5) / f32(bricks.columns));
+    return vec2i(brick.z - row * bricks.columns, row) * bricks.dims.xy + brick.xy;
 }
 
-// The middle of that texel in texture coordinates. Whole numbers are divided one by one on processors: floats are not.
+// The middle of that texel in texture coordinates.
 fn bricks_in_map(brick: vec3i) -> vec2f {
-    let at = vec3f(brick);
-    let columns = f32(bricks.columns);
-    let row = floor((at.z + 0.5) / columns);
-    let tile = vec2f(at.z - row * columns, row);
-    return (tile * vec2f(bricks.dims.xy) + at.xy + 0.5) / bricks.map_size;
+    return (vec2f(bricks_texel(brick)) + 0.5) / bricks.map_size;
 }

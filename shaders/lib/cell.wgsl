@@ -84,6 +84,35 @@ fn cell_values(index: vec3i, level: f32) -> CellValues {
     return CellValues(low - level, high - level);
 }
 
+// The same for the cell that a ray comes to from a face of another one, whose corners are known: half of them are new.
+fn cell_values_behind(known: CellValues, from_index: vec3i, index: vec3i, level: f32) -> CellValues {
+    let way = index - from_index;
+    let is_back = way.x + way.y + way.z < 0;
+    // The far face, by its two other axes.
+    let u = select(vec3i(1, 0, 0), vec3i(0, 1, 0), way.x != 0);
+    let v = select(vec3i(0, 0, 1), vec3i(0, 1, 0), way.z != 0);
+    let corner = index + max(way, vec3i(0));
+    let face = vec4f(
+        volume_voxel(corner),
+        volume_voxel(corner + u),
+        volume_voxel(corner + v),
+        volume_voxel(corner + u + v),
+    ) - level;
+    if way.z != 0 {
+        return CellValues(select(known.high, face, is_back), select(known.low, face, !is_back));
+    }
+    let low = known.low;
+    let high = known.high;
+    if way.x != 0 {
+        let far = CellValues(vec4f(low.y, face.x, low.w, face.y), vec4f(high.y, face.z, high.w, face.w));
+        let near = CellValues(vec4f(face.x, low.x, face.y, low.z), vec4f(face.z, high.x, face.w, high.z));
+        return CellValues(select(far.low, near.low, is_back), select(far.high, near.high, is_back));
+    }
+    let far = CellValues(vec4f(low.zw, face.xy), vec4f(high.zw, face.zw));
+    let near = CellValues(vec4f(face.xy, low.xy), vec4f(face.zw, high.xy));
+    return CellValues(select(far.low, near.low, is_back), select(far.high, near.high, is_back));
+}
+
 // Trilinear between a cell's corners, at a place in it.
 fn cell_scalar(values: CellValues, place: vec3f) -> f32 {
     let plane = mix(values.low, values.high, place.z);

@@ -1,12 +1,14 @@
 // Clip shapes: what is left of a ray by a shape that it is inside of between two distances.
 #import "lib/step.wgsl"
 
+// Both stay in the uniform: as constants they make the compiler of llvmpipe's Vulkan (Mesa 22.3) crash on the clip `box`.
 struct Params {
     /// What is kept of the volume: what lies inside of the clip shape, or what lies outside. @default inside @choices inside outside
+    /// @uniform
     clip_keep: u32,
     /// Where segments end at the clip shape: `accurate` at its surface, whatever the step is (Röttger et al. 2003,
     /// section 2); `naive` draws each segment whole whose front is visible (their appendix 8.1), to compare.
-    /// @default accurate @choices accurate naive
+    /// @default accurate @choices accurate naive @uniform
     clip_method: u32,
 }
 

@@ -63,59 +63,72 @@ fn crossing_bisected(ray: Ray, segment: Segment, level: f32) -> f32 {
 }
 
 // Sides are those of the trilinear field at the segment's ends, and each stretch goes on from the side where the one
-// before ended: whatever is rounded, no crossing falls between two cells or two segments, and none is met twice.
+// before ended: whatever is rounded, no crossing falls between two cells or two segments, and none is met twice. One
+// turn looks for a piece of the field's cubic with a crossing in it, cell by cell; its root is found behind that, for
+// software drivers run what is in a loop for every cell, needed or not.
 fn crossing_cubic(ray: Ray, segment: Segment, level: f32, after: f32) -> f32 {
     let limit = segment.start + segment.length;
     var cell = cell_begin(ray, segment.start, limit);
     var is_above = false;
-    for (var turn = 0u; turn < CELL_MAX; turn++) {
-        let values = cell_values(cell.index, level);
-        if turn == 0u {
-            is_above = cell_scalar(values, cell_place(ray, cell.index, cell.start)) >= 0.0;
-        }
-        let lows = values.low >= vec4f(0.0);
-        let highs = values.high >= vec4f(0.0);
-        let all_above = all(lows) && all(highs);
-        if all_above || !(any(lows) || any(highs)) {
-            // No crossing inside.
-            if all_above != is_above && cell.start > after {
-                return cell.start;
+    var is_begun = false;
+    // Up to where the cell has been looked at, and whether it is the one that the next segment starts in.
+    var seen = 0.0;
+    var is_last = false;
+    for (var crossing = 0u; crossing <= CROSSING_MAX; crossing++) {
+        var cubic = vec4f(0.0);
+        var low = 0.0;
+        var high = 0.0;
+        var is_met = false;
+        for (var turn = 0u; turn < CELL_MAX; turn++) {
+            let values = cell_values(cell.index, level);
+            if !is_begun {
+                is_above = cell_scalar(values, cell_place(ray, cell.index, cell.start)) >= 0.0;
+                is_begun = true;
             }
-            is_above = all_above;
-        } else {
-            let cubic = cell_cubic(ray, cell, values);
+            let lows = values.low >= vec4f(0.0);
+            let highs = values.high >= vec4f(0.0);
+            let all_above = all(lows) && all(highs);
+            let is_mixed = !all_above && (any(lows) || any(highs));
+            cubic = cell_cubic(ray, cell, values);
             let extremes = cell_cubic_extremes(cubic);
-            var low = 0.0;
-            for (var piece = 0u; piece < 3u; piece++) {
-                var high = 1.0;
-                var value = 0.0;
-                if piece == 2u {
-                    value = cell_scalar(values, cell_place(ray, cell.index, cell.end));
-                } else {
-                    high = select(extremes.x, extremes.y, piece == 1u);
-                    value = cell_cubic_at(cubic, high);
+            let is_end_above = cell_scalar(values, cell_place(ray, cell.index, cell.end)) >= 0.0;
+            // Of a cell on one side only its start can be a crossing.
+            let has_first = extremes.x > seen;
+            let is_first = has_first && (cell_cubic_at(cubic, extremes.x) >= 0.0) != is_above;
+            let behind_first = max(seen, extremes.x);
+            let is_second = extremes.y > behind_first && (cell_cubic_at(cubic, extremes.y) >= 0.0) != is_above;
+            low = select(select(max(behind_first, extremes.y), behind_first, is_second), seen, is_first);
+            high = select(select(1.0, extremes.y, is_second), extremes.x, is_first);
+            is_met = is_first || is_second || is_end_above != is_above;
+            if !is_mixed {
+                is_met = all_above != is_above;
+                low = 0.0;
+                high = 0.0;
+            }
+            if is_met {
+                break;
+            }
+            seen = 0.0;
+            if !cell_next(ray, &cell) {
+                // The next segment starts in the cell that its start is in, which may be the one after.
+                let next = cell_begin(ray, limit, limit);
+                if is_last || all(next.index == cell.index) {
+                    break;
                 }
-                if high > low || piece == 2u {
-                    if (value >= 0.0) != is_above {
-                        let w = cell_cubic_root(cubic, low, high, is_above);
-                        let distance = min(cell.start + w * (cell.end - cell.start), limit);
-                        if distance > after {
-                            return distance;
-                        }
-                        is_above = !is_above;
-                    }
-                    low = high;
-                }
+                cell = next;
+                is_last = true;
             }
         }
-        if !cell_next(ray, &cell) {
+        if !is_met {
             break;
         }
-    }
-    // The next segment starts in the cell that its start is in, which may be the one after.
-    if any(cell_begin(ray, limit, limit).index != cell.index)
-        && crossing_is_above(ray, limit, level) != is_above && limit > after {
-        return limit;
+        let w = cell_cubic_root(cubic, low, high, is_above);
+        let distance = min(cell.start + w * (cell.end - cell.start), limit);
+        if distance > after {
+            return distance;
+        }
+        is_above = !is_above;
+        seen = high;
     }
     return CROSSING_NONE;
 }

@@ -15,7 +15,7 @@ struct Extremum {
     label: u32,
 }
 
-// The same value, for leaps over what cannot be beyond it.
+// The value that is reached, for leaps over what cannot be beyond it.
 var<private> extremum_reached: f32;
 
 fn extremum_begin() -> Extremum {
@@ -39,8 +39,8 @@ fn extremum_segment(best: ptr<function, Extremum>, ray: Ray, segment: Segment, f
         return;
     }
     var cell = cell_begin(ray, segment.start, segment.start + segment.length);
+    var values = cell_values(cell.index, 0.0);
     for (var turn = 0u; turn < CELL_MAX; turn++) {
-        let values = cell_values(cell.index, 0.0);
         // Inside of a cell the field stays between its corners.
         let most = max(field_sign * values.low, field_sign * values.high);
         if max(max(most.x, most.y), max(most.z, most.w)) > (*best).value {
@@ -53,8 +53,10 @@ fn extremum_segment(best: ptr<function, Extremum>, ray: Ray, segment: Segment, f
                 extremum_take(best, value, at, ray.label);
             }
         }
+        let index = cell.index;
         if !cell_next(ray, &cell) {
             break;
         }
+        values = cell_values_behind(values, index, cell.index, 0.0);
     }
 }

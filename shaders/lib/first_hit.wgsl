@@ -8,6 +8,7 @@ struct FirstHit {
     is_met: bool,
     // World distance along the ray from the eye.
     depth: f32,
+    // Its normal is zeros where it is the field's (`first_hit_point`).
     point: SurfacePoint,
     // What the walk has come through; the next segment's `face`.
     face: CutFace,
@@ -20,7 +21,7 @@ fn first_hit(face: CutFace, ray: Ray, segment: Segment) -> FirstHit {
     var normal = vec3f(0.0);
     var scalar = isovalue_level();
     if cut_face_is_met(face, ray, segment) {
-        normal = surface_entry_normal(ray);
+        normal = first_hit_entry_normal(ray);
         scalar = segment.front.scalar;
     } else {
         distance = crossing_next(ray, segment, scalar, -1.0);
@@ -28,10 +29,26 @@ fn first_hit(face: CutFace, ray: Ray, segment: Segment) -> FirstHit {
             hit.face = cut_face_after(ray, segment);
             return hit;
         }
-        normal = surface_gradient_normal(ray, distance);
     }
     hit.is_met = true;
     hit.depth = ray.near + distance;
     hit.point = SurfacePoint(ray_world(ray, distance), ray_position(ray, distance), normal, scalar);
     return hit;
+}
+
+// The normal of the cut or the face that a part of a ray starts at; zeros where it starts at neither.
+fn first_hit_entry_normal(ray: Ray) -> vec3f {
+    if any(ray.cut_normal != vec3f(0.0)) || !volume_is_at_face(ray) {
+        return ray.cut_normal;
+    }
+    return volume_face_normal(ray);
+}
+
+// The point with its normal: once it is found, and not in the walk, where software drivers look for it in every segment.
+fn first_hit_point(given: SurfacePoint, ray: Ray) -> SurfacePoint {
+    var point = given;
+    if all(point.normal == vec3f(0.0)) {
+        point.normal = surface_towards_eye(gradient_at(point.position), ray.direction);
+    }
+    return point;
 }

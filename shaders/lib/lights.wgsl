@@ -2,7 +2,7 @@
 #import "lib/space.wgsl"
 
 struct Params {
-    /// How many of the lights shine. @default 1 @range 0 4
+    /// How many of the lights shine. @default 1 @range 0 4 @constant
     lights: u32,
     /// The first light: a world direction towards it and 0, or its position and 1 (see `space`); all zeros for a light at
     /// the eye. @default 0 0 0 0

@@ -2,6 +2,7 @@
 #import "lib/ray.wgsl"
 #import "lib/volume_texture.wgsl"
 #import slot "volume_filter"
+#import slot "volume_texel"
 
 struct Volume {
     // Texture coordinates (0..1 over whole voxels) from world positions.
@@ -122,14 +123,10 @@ fn volume_linear(position: vec3f) -> f32 {
 
 // Scalar of the nearest voxel in data units.
 fn volume_nearest(position: vec3f) -> f32 {
-    let last = vec3i(volume.dims) - vec3i(1);
-    let index = clamp(vec3i(floor(position * volume.dims)), vec3i(0), last);
-    return textureLoad(volume_texture, index, 0).x * volume.value_scale + volume.value_offset;
+    return volume_voxel(vec3i(floor(position * volume.dims)));
 }
 
 // Scalar of a voxel in data units, the index clamped to the grid.
 fn volume_voxel(index: vec3i) -> f32 {
-    let last = vec3i(volume.dims) - vec3i(1);
-    let texel = textureLoad(volume_texture, clamp(index, vec3i(0), last), 0).x;
-    return texel * volume.value_scale + volume.value_offset;
+    return volume_texel(index, volume.dims) * volume.value_scale + volume.value_offset;
 }

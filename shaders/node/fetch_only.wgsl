@@ -13,13 +13,7 @@ struct Params {
     samples: u32,
 }
 
-// The first pixel of the rectangle that a compute dispatch covers.
-struct Tile {
-    first: vec2u,
-}
-
 @group(0) @binding(3) var color_out: texture_storage_2d<rgba32float, write>;
-@group(0) @binding(6) var<uniform> tile: Tile;
 
 // The sum of the samples along a ray, of scalars as they count: those that a raycast takes, at the entry, at each whole
 // step and at the exit.

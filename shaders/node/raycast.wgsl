@@ -9,6 +9,7 @@
 #import slot "traverse"
 #import slot "technique"
 #import slot "leap"
+#import slot "heed"
 #import slot "behind"
 #import slot "depth_layer"
 #import slot "opacity_layer"
@@ -18,63 +19,84 @@
 #import slot "label_layer"
 #import slot "error_layer"
 
-// The first pixel of the rectangle that a compute dispatch covers.
-struct Tile {
-    first: vec2u,
-}
-
 @group(0) @binding(3) var color_out: texture_storage_2d<rgba32float, write>;
-@group(0) @binding(6) var<uniform> tile: Tile;
 
 // Whatever a `traverse` slot says, a walk ends. Software drivers end every loop after as many turns.
 const RAYCAST_MAX_SEGMENTS: u32 = 65535u;
 
 fn raycast_pixel(pixel: vec2f) -> Shown {
     labels_select(STRETCH_NO_LABEL);
-    var ray = volume_clip_ray(ray_through(pixel));
-    var parts = parts_begin(ray);
+    let whole = volume_clip_ray(ray_through(pixel));
+    var ray = whole;
     var state = technique_begin(ray);
     var error = error_layer_begin(ray, pixel);
     var samples = 0u;
     var is_done = false;
-    for (var part = 0u; !is_done && part < RAYCAST_MAX_SEGMENTS; part++) {
-        if !parts_next(&parts, &ray) {
-            break;
-        }
-        let length = ray.far - ray.near;
-        var front: Sample;
-        var start = 0.0;
-        var index = 0u;
-        // A bent ray is another ray: its parts are looked for anew.
-        for (var look = 0u; look < RAYCAST_MAX_SEGMENTS && !is_done && ray.bends == parts.bends; look++) {
-            let leap = leap_from(ray, index);
-            if look == 0u || leap.index != index {
-                index = leap.index;
-                start = 0.0;
-                if index > 0u {
-                    start = traverse_segment_end(ray, index - 1u);
-                }
-                if start < length {
-                    front = sample_along(ray, start);
-                    samples++;
-                }
-            }
-            if start >= length {
+    for (var walk = 0u; walk < heed_walks(); walk++) {
+        heed_begin(walk);
+        ray = whole;
+        var parts = parts_begin(ray);
+        for (var part = 0u; !is_done && part < RAYCAST_MAX_SEGMENTS; part++) {
+            if !parts_next(&parts, &ray) {
                 break;
             }
-            for (var turn = 0u; turn < leap.segments && start < length; turn++) {
-                let end = traverse_segment_end(ray, index + leap.stride - 1u);
-                let back = sample_along(ray, end);
-                samples++;
-                let segment = segment_between(front, back, start, end - start);
-                error_layer_segment(&error, state, ray, segment);
-                is_done = technique_segment(&state, &ray, segment);
-                if is_done || ray.bends != parts.bends {
+            let length = ray.far - ray.near;
+            var front: Sample;
+            var start = 0.0;
+            var index = 0u;
+            // Software drivers run what is in no loop of its own for every pixel, needed or not. So a choosy technique looks
+            // into segments out here, and the loops below end at those that it heeds.
+            var looks = 0u;
+            for (var hunt = 0u; hunt < RAYCAST_MAX_SEGMENTS; hunt++) {
+                var segment: Segment;
+                var is_heeded = false;
+                // A bent ray is another ray: its parts are looked for anew.
+                for (; looks < RAYCAST_MAX_SEGMENTS && !is_done && !is_heeded && ray.bends == parts.bends; ) {
+                    let leap = leap_from(ray, index);
+                    if looks == 0u || leap.index != index {
+                        index = leap.index;
+                        start = 0.0;
+                        if index > 0u {
+                            start = traverse_segment_end(ray, index - 1u);
+                        }
+                        if start < length {
+                            front = sample_along(ray, start);
+                            samples++;
+                        }
+                    }
+                    looks++;
+                    if start >= length {
+                        break;
+                    }
+                    for (var turn = 0u; turn < leap.segments && start < length; turn++) {
+                        let end = traverse_segment_end(ray, index + leap.stride - 1u);
+                        let back = sample_along(ray, end);
+                        samples++;
+                        segment = segment_between(front, back, start, end - start);
+                        error_layer_segment(&error, state, ray, segment);
+                        front = back;
+                        start = end;
+                        index += leap.stride;
+                        if heed_is_choosy() {
+                            is_heeded = heed_segment(ray, segment);
+                            if is_heeded {
+                                break;
+                            }
+                        } else {
+                            is_done = technique_segment(&state, &ray, segment);
+                            if is_done || ray.bends != parts.bends {
+                                break;
+                            }
+                        }
+                    }
+                }
+                if !heed_is_choosy() || !is_heeded {
                     break;
                 }
-                front = back;
-                start = end;
-                index += leap.stride;
+                is_done = technique_segment(&state, &ray, segment);
+                if is_done {
+                    break;
+                }
             }
         }
     }

@@ -5,6 +5,7 @@
 mod accuracy;
 mod adaptive;
 mod agreement;
+mod brick_proxies;
 mod clips;
 mod closed_forms;
 mod differences;
@@ -40,6 +41,7 @@ mod shader_cases;
 mod shear_warp;
 mod skipping;
 mod snapshots;
+mod software_scalars;
 mod stress;
 mod sweep;
 mod tables;

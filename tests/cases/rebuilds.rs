@@ -125,3 +125,39 @@ fn an_edit_builds_what_it_changes() {
         assert_eq!(built.len(), importing.len(), "{backend}: a library of them");
     }
 }
+
+/// A choice is a constant of its node's pipelines: another one is another picture, and builds that node's anew. A number
+/// is in the uniform. Going back is going back.
+#[test]
+fn a_choice_builds_its_own_node_and_changes_the_picture() {
+    for backend in adapters() {
+        let text = graph(
+            r#"path: "v_8x8x8_float32.raw""#,
+            "orbit(azimuth: 10, elevation: 10)",
+            r#"{ "pattern": "checker" }"#,
+            r#"{ "technique": "isosurface" }"#,
+            r#"{ "stage": "fragment", "step": 2.5, "isovalue": 0.4 }"#,
+        );
+        let stage = Stage::new()
+            .with_floats("v", [8, 8, 8], |x, y, z| (x * y + z) as f32)
+            .with("transfer.ron", TRANSFER)
+            .with("graph.ron", &text);
+        let mut session = stage.open("graph.ron", &[], &backend, [32, 32]).unwrap();
+        let first = session.render().unwrap().0.color;
+        let mut set = |set: &str| {
+            let change = Change::Set(vec![ParamOverride::parse(set).unwrap()]);
+            let built = built(&mut session, &change);
+            (built, session.render().unwrap().0.color)
+        };
+        let image = BTreeMap::from([("image".to_owned(), 2)]);
+        let (below, solid_below) = set("image.solid=below");
+        assert_eq!(below, image, "{backend}: a choice");
+        assert_ne!(solid_below, first, "{backend}: a choice");
+        let (above, solid_above) = set("image.solid=above");
+        assert_eq!(above, image, "{backend}: the choice before");
+        assert_eq!(solid_above, first, "{backend}: the choice before");
+        let (number, nearer) = set("image.isovalue=0.2");
+        assert_eq!(number, BTreeMap::new(), "{backend}: a number");
+        assert_ne!(nearer, first, "{backend}: a number");
+    }
+}

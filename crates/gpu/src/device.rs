@@ -133,6 +133,7 @@ impl Gpu {
             float32_filterable: features.contains(Features::FLOAT32_FILTERABLE),
             float32_blendable: features.contains(Features::FLOAT32_BLENDABLE),
             storage_3d: self.summary.backend != "gl",
+            shared_samplers: self.summary.backend != "gl",
             ..Limits::default()
         }
     }

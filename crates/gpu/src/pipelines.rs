@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use volgraph_graph::{Blend, Digest, Geometry, NodeId, Pass, Plan, Program, ResourceKind};
 use volgraph_report::{Finding, Findings};
-use volgraph_shader::{Binding, GuardRequest, guard, with_room};
+use volgraph_shader::{Binding, Choices, GuardRequest, guard, specialise, with_room};
 use wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, BlendComponent, BlendFactor, BlendOperation,
     BlendState, ColorTargetState, ColorWrites, CompareFunction, ComputePipeline,
@@ -30,6 +30,8 @@ pub(crate) struct PipelineKey {
     module: Digest,
     entries: Vec<&'static str>,
     constants: Vec<(String, u64)>,
+    /// The parameters that are constants of the module.
+    choices: Choices,
     /// `None` for compute passes.
     drawing: Option<Drawing>,
 }
@@ -72,11 +74,14 @@ struct Built {
     guard: Option<Arc<Guard>>,
 }
 
+/// Everything that makes two modules different: linked text, choices, entry points, and whether uniforms are read as
+/// storage buffers.
+type ModuleKey = (Digest, Choices, Vec<&'static str>, bool);
+
 /// All pipelines built so far.
 #[derive(Debug, Default)]
 pub(crate) struct Pipelines {
-    /// By linked text, entry points, and whether uniforms are read as storage buffers.
-    modules: BTreeMap<(Digest, Vec<&'static str>, bool), Built>,
+    modules: BTreeMap<ModuleKey, Built>,
     built: HashMap<PipelineKey, Arc<Pipeline>>,
     /// What was built since somebody asked.
     pub(crate) building: Building,
@@ -91,8 +96,10 @@ impl Pipelines {
     /// Lets go of all but these.
     pub(crate) fn retain(&mut self, used: &[PipelineKey]) {
         self.built.retain(|key, _| used.contains(key));
-        self.modules
-            .retain(|(digest, ..), _| used.iter().any(|key| key.module == *digest));
+        self.modules.retain(|(digest, choices, ..), _| {
+            let is_used = |key: &PipelineKey| key.module == *digest && key.choices == *choices;
+            used.iter().any(is_used)
+        });
     }
 
     /// The pipeline of a pass of a node; `None` for passes that need none.
@@ -117,7 +124,12 @@ impl Pipelines {
             program.spec.root
         );
         let uniforms_as_storage = gpu.uniforms_as_storage() && may_crash(pass);
-        let module_key = (key.module, key.entries.clone(), uniforms_as_storage);
+        let module_key = (
+            key.module,
+            key.choices.clone(),
+            key.entries.clone(),
+            uniforms_as_storage,
+        );
         let known = self.modules.get(&module_key).cloned();
         // naga, wgpu and the driver recurse over the shader. Error scopes belong to a thread, so they are all in there.
         let made = with_room(|| {
@@ -173,7 +185,10 @@ fn module(
         max_steps: MAX_STEPS,
         entries: &key.entries,
     };
-    let mut guarded = guard(&program.module, request, gpu.capabilities());
+    // What cannot be specialised draws the same from its uniform.
+    let special = specialise(&program.module, &key.choices, gpu.capabilities()).ok();
+    let special = special.as_ref().unwrap_or(&program.module);
+    let mut guarded = guard(special, request, gpu.capabilities());
     // Without its guard a loop that does not end would take the device with it.
     if let Some(reason) = &guarded.unguarded {
         let message = format!("{what}: its loops and loads cannot be watched: {reason}");
@@ -227,6 +242,7 @@ pub(crate) fn key(plan: &Plan, id: NodeId, pass: &Pass) -> Option<PipelineKey> {
             .iter()
             .map(|(name, value)| (name.clone(), value.to_bits()))
             .collect(),
+        choices: plan.choices(id),
         drawing: drawing(plan, id, pass),
     })
 }

@@ -13,6 +13,7 @@
 
 pub mod camera;
 pub mod check;
+pub mod choices;
 pub mod cull;
 pub mod demand;
 mod desc;

@@ -21,6 +21,8 @@ pub struct Limits {
     pub float32_blendable: bool,
     /// Whether compute shaders can write 3D textures. wgpu 30 binds only the first slice of one on GL.
     pub storage_3d: bool,
+    /// Whether a shader may read one texture through several samplers; a sampler of GLSL is of one texture.
+    pub shared_samplers: bool,
 }
 
 impl Default for Limits {
@@ -35,6 +37,7 @@ impl Default for Limits {
             float32_filterable: false,
             float32_blendable: false,
             storage_3d: true,
+            shared_samplers: true,
         }
     }
 }

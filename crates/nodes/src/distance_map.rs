@@ -86,7 +86,7 @@ const SLOTS: &[SlotSpec] = &[
 const SPANS: usize = 64;
 
 /// The scalars that any of a node's transfer functions makes absorb, as shaders count them: open intervals.
-fn absorbing(node: &NodeContext<'_>) -> Result<Vec<(f64, f64)>, Finding> {
+pub(crate) fn absorbing(node: &NodeContext<'_>) -> Result<Vec<(f64, f64)>, Finding> {
     let volume = placement::volume(node, "volume")?;
     let reference = placement::encoding(node)?.reference;
     let mut all = Vec::new();
@@ -142,6 +142,20 @@ pub(crate) fn absorbing_uniform(node: &NodeContext<'_>) -> Result<Uniform, Findi
     ])
 }
 
+/// What is run in turn, over all bricks.
+const PASSES: [&str; 10] = [
+    "distance_map_begin",
+    "distance_map_near_x",
+    "distance_map_near_y",
+    "distance_map_near_z",
+    "distance_map_open_x",
+    "distance_map_open_y",
+    "distance_map_open_z",
+    "distance_map_x",
+    "distance_map_y",
+    "distance_map_z",
+];
+
 impl NodeKind for DistanceMap {
     fn name(&self) -> &'static str {
         "distance_map"
@@ -183,14 +197,8 @@ impl NodeKind for DistanceMap {
     fn program(&self, node: &NodeContext<'_>) -> Option<ProgramSpec> {
         Some(ProgramSpec {
             root: "node/distance_map.wgsl",
-            fixed_slots: [placement::filter_slot(node)].into(),
-            entries: vec![
-                "distance_map_begin",
-                "distance_map_x",
-                "distance_map_y",
-                "distance_map_z",
-                "distance_map_open",
-            ],
+            fixed_slots: placement::texel_slots(node).into(),
+            entries: PASSES.to_vec(),
             inherited: Vec::new(),
         })
     }
@@ -216,16 +224,13 @@ impl NodeKind for DistanceMap {
         let (dims, _) = map_size(node)?;
         let pass = |entry| Pass::Compute {
             entry,
-            workgroups: dims.map(|n| n.div_ceil(4)),
+            workgroups: [
+                dims[0].div_ceil(8),
+                dims[1].div_ceil(4),
+                dims[2].div_ceil(4),
+            ],
             constants: Vec::new(),
         };
-        let axes = ["distance_map_x", "distance_map_y", "distance_map_z"];
-        Ok(["distance_map_begin"]
-            .into_iter()
-            .chain(axes)
-            .chain(["distance_map_open"])
-            .chain(axes)
-            .map(pass)
-            .collect())
+        Ok(PASSES.into_iter().map(pass).collect())
     }
 }

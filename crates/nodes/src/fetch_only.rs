@@ -11,11 +11,11 @@ use volgraph_graph::{
     ProgramSpec, Requirement, ResourceDesc, Size, Uniform,
 };
 use volgraph_report::Finding;
-use volgraph_shader::{ParamSpec, UniformValue};
+use volgraph_shader::ParamSpec;
 use wgpu_types::TextureFormat;
 
-use crate::raycast::{MAX_SEGMENTS, longest_ray, tile};
-use crate::{placement, proxy_box, volume_texture};
+use crate::raycast::{MAX_SEGMENTS, longest_ray, tile, tile_uniform};
+use crate::{brick_proxy, placement, proxy_box, volume_texture};
 
 /// The node kind `fetch_only`.
 pub struct FetchOnly;
@@ -95,7 +95,7 @@ impl NodeKind for FetchOnly {
         }
         Some(ProgramSpec {
             root: "node/fetch_only.wgsl",
-            fixed_slots: BTreeMap::from([placement::filter_slot(node)]),
+            fixed_slots: BTreeMap::from(placement::texel_slots(node)),
             entries,
             inherited: Vec::new(),
         })
@@ -124,15 +124,13 @@ impl NodeKind for FetchOnly {
     fn uniform(&self, name: &str, node: &NodeContext<'_>) -> Result<Uniform, Finding> {
         match name {
             "volume" => placement::uniform(node),
-            _ => Ok(vec![(
-                "first",
-                UniformValue::UVec2(tile(node)?.map_or([0; 2], |tile| [tile[0], tile[1]])),
-            )]),
+            _ => tile_uniform(node),
         }
     }
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         check_samples(node)?;
+        brick_proxy::check_whole(node)?;
         let compute = |entry, [width, height]: [u32; 2]| Pass::Compute {
             entry,
             workgroups: [width.div_ceil(8), height.div_ceil(8), 1],

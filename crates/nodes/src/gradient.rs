@@ -91,7 +91,7 @@ impl NodeKind for Gradient {
     fn program(&self, node: &NodeContext<'_>) -> Option<ProgramSpec> {
         node.limits().storage_3d.then(|| ProgramSpec {
             root: "node/gradient.wgsl",
-            fixed_slots: [placement::filter_slot(node)].into(),
+            fixed_slots: placement::texel_slots(node).into(),
             entries: vec!["gradient_compute"],
             inherited: Vec::new(),
         })

@@ -6,6 +6,7 @@
 
 pub mod background;
 pub mod brick_details;
+pub mod brick_proxy;
 pub mod brick_ranges;
 pub(crate) mod clip_volume;
 pub(crate) mod composing;
@@ -61,6 +62,7 @@ pub fn registry() -> Registry {
         .add_source(source::segments::SegmentsKind)
         .add_node(background::Background)
         .add_node(proxy_box::ProxyBox)
+        .add_node(brick_proxy::BrickProxy)
         .add_node(raycast::Raycast)
         .add_node(fetch_only::FetchOnly)
         .add_node(slices::Slices)

@@ -64,13 +64,21 @@ fn encoding_at(node: &NodeContext<'_>, port: &str) -> Result<Encoding, Finding> 
     Ok(encoding)
 }
 
-/// The slot that decides how texels are filtered, for programs that import `lib/volume.wgsl`: (slot, choice).
+/// The slots that decide how texels are read, for programs that import `lib/volume.wgsl`: (slot, choice).
 #[must_use]
-pub fn filter_slot(node: &NodeContext<'_>) -> (String, String) {
-    filter_slot_at(node, "volume")
+pub fn texel_slots(node: &NodeContext<'_>) -> [(String, String); 2] {
+    let texel = if node.limits().shared_samplers {
+        "nearest"
+    } else {
+        "load"
+    };
+    [
+        filter_slot_at(node, "volume"),
+        ("volume_texel".to_owned(), texel.to_owned()),
+    ]
 }
 
-/// The same for the volume at another port: of the slot `<port>_filter`.
+/// The slot `<port>_filter`, which decides how texels of the volume at a port are filtered.
 #[must_use]
 pub fn filter_slot_at(node: &NodeContext<'_>, port: &str) -> (String, String) {
     let choice =

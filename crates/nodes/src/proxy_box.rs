@@ -23,7 +23,7 @@ const INPUTS: &[InputPort] = &[InputPort {
     doc: "The volume whose box is drawn.",
 }];
 
-const OUTPUTS: &[OutputPort] = &[OutputPort {
+pub(crate) const OUTPUTS: &[OutputPort] = &[OutputPort {
     name: "rays",
     ty: PortType::Mesh,
     doc: "Triangles in world space from the scene's origin, anticlockwise as seen from outside.",
@@ -47,28 +47,42 @@ impl NodeKind for ProxyBox {
     }
 
     fn output(&self, _port: &str, _node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
-        Ok(ResourceDesc::Buffer {
-            bytes: u64::from(VERTICES) * 12,
-        })
+        Ok(resource())
     }
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
-        let origin = node.origin();
-        let vertices: Vec<[f32; 3]> = triangles(volume(node, "volume")?.grid())
-            .into_iter()
-            .map(|v| (v - origin).as_vec3().to_array())
-            .collect();
-        let bytes = UploadBytes::new(move || Ok(bytemuck::cast_slice(&vertices).to_vec()));
-        Ok(vec![Pass::Upload {
-            port: "rays",
-            bytes,
-        }])
+        let (low, high) = volume(node, "volume")?.grid().box_index();
+        passes(node, low, high)
     }
 }
 
-/// The corners of the box's triangles in world space.
-fn triangles(grid: &Grid) -> Vec<DVec3> {
-    let (low, high) = grid.box_index();
+/// What holds the triangles of a box.
+pub(crate) fn resource() -> ResourceDesc {
+    ResourceDesc::Buffer {
+        bytes: u64::from(VERTICES) * 12,
+    }
+}
+
+/// Uploads the triangles of a box between two points in index coordinates of a node's volume.
+pub(crate) fn passes(
+    node: &NodeContext<'_>,
+    low: DVec3,
+    high: DVec3,
+) -> Result<Vec<Pass>, Finding> {
+    let origin = node.origin();
+    let vertices: Vec<[f32; 3]> = triangles(volume(node, "volume")?.grid(), low, high)
+        .into_iter()
+        .map(|v| (v - origin).as_vec3().to_array())
+        .collect();
+    let bytes = UploadBytes::new(move || Ok(bytemuck::cast_slice(&vertices).to_vec()));
+    Ok(vec![Pass::Upload {
+        port: "rays",
+        bytes,
+    }])
+}
+
+/// The corners of a box's triangles in world space.
+fn triangles(grid: &Grid, low: DVec3, high: DVec3) -> Vec<DVec3> {
     let centre = grid.world_from_index.transform_point3(0.5 * (low + high));
     let mut corners = Vec::with_capacity(VERTICES as usize);
     for axis in 0..3 {
@@ -125,7 +139,7 @@ mod tests {
             let (low, high) = grid.box_index();
             let centre = grid.world_from_index.transform_point3(0.5 * (low + high));
             let mut volume = 0.0;
-            for triangle in triangles(&grid).chunks_exact(3) {
+            for triangle in triangles(&grid, low, high).chunks_exact(3) {
                 let normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
                 assert!(normal.dot(triangle[0] - centre) > 0.0);
                 volume += (triangle[0] - centre).dot(normal) / 6.0;

@@ -6,12 +6,14 @@ mod walk;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use glam::DVec3;
 use volgraph_graph::{
     DerivedSlot, Geometry, Inherited, InputPort, Mesh, NodeContext, NodeKind, OutputPort, ParamRow,
     Pass, ProgramSpec, ResourceDesc, Size, SlotSpec, Uniform,
 };
 use volgraph_report::Finding;
 use volgraph_shader::{ParamSpec, ParamValue, UniformValue};
+use volgraph_volume::Grid;
 use wgpu_types::TextureFormat;
 
 use self::ports::{INPUTS, LAYERS, OUTPUTS, SLOTS};
@@ -22,10 +24,12 @@ pub use self::walk::shortest_step;
 pub(crate) use self::walk::{MAX_SEGMENTS, check_walk, longest_ray, walk_slots};
 
 use crate::background::Background;
+use crate::placement::{f32_value, vec3};
 use crate::source::segments::SegmentsSource;
 use crate::{
-    brick_ranges, clip_volume, light_volume, lit_preintegration, placement, preintegration,
-    preintegration_3d, proxy_box, segmentation, stride_map, transfer_table, volume_texture,
+    brick_proxy, brick_ranges, clip_volume, light_volume, lit_preintegration, placement,
+    preintegration, preintegration_3d, proxy_box, segmentation, stride_map, transfer_table,
+    volume_texture,
 };
 
 /// The node kind `raycast`.
@@ -53,12 +57,19 @@ fn beyond_slots(node: &NodeContext<'_>) -> Vec<(String, String)> {
     }
 }
 
-/// What a technique does not see, its file says.
-const DERIVED: &[DerivedSlot] = &[DerivedSlot {
-    slot: "emptiness",
-    from: "technique",
-    tag: "skips",
-}];
+/// What a technique does not see, and which segments it looks into, its file says.
+const DERIVED: &[DerivedSlot] = &[
+    DerivedSlot {
+        slot: "emptiness",
+        from: "technique",
+        tag: "skips",
+    },
+    DerivedSlot {
+        slot: "heed",
+        from: "technique",
+        tag: "heeds",
+    },
+];
 
 /// How the walk leaps over what the technique does not see: the choices of its slots `leap` and `look`.
 fn leaps(node: &NodeContext<'_>) -> [(String, String); 2] {
@@ -152,6 +163,7 @@ impl NodeKind for Raycast {
         &[
             "volume",
             "bricks",
+            "steepness",
             "clip_placement",
             "transfer",
             "transfers",
@@ -187,6 +199,7 @@ impl NodeKind for Raycast {
         let mut fixed_slots = BTreeMap::from(layers);
         fixed_slots.extend(walk_slots(node));
         fixed_slots.extend(leaps(node));
+        fixed_slots.insert("heed".to_owned(), walk::heed(node));
         fixed_slots.insert("behind".to_owned(), behind.to_owned());
         fixed_slots.extend(beyond_slots(node));
         Some(ProgramSpec {
@@ -236,6 +249,7 @@ impl NodeKind for Raycast {
         match name {
             "volume" => placement::uniform(node),
             "bricks" => brick_ranges::uniform(node),
+            "steepness" => walk::steepness_uniform(node),
             "clip_placement" => placement::uniform_at(node, "clip_volume"),
             "transfer" => {
                 let transfer = transfer_table::transfer(node, "transfer")?;
@@ -248,10 +262,7 @@ impl NodeKind for Raycast {
             }
             "lit_tables" => lit_preintegration::uniform(node),
             "preintegration_3d" => preintegration_3d::uniform(node),
-            _ => Ok(vec![(
-                "first",
-                UniformValue::UVec2(tile(node)?.map_or([0; 2], |tile| [tile[0], tile[1]])),
-            )]),
+            _ => tile_uniform(node),
         }
     }
 
@@ -263,6 +274,7 @@ impl NodeKind for Raycast {
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         check_walk(node)?;
+        brick_proxy::check(node)?;
         if node.is_connected("behind")
             && node.input_resource("behind") != node.output_resource("color")
         {
@@ -301,8 +313,43 @@ impl NodeKind for Raycast {
     }
 }
 
-/// The pixels that the volume's box may cover: `[x, y, width, height]`; `None` where it is out of view.
+/// The pixels that a node's proxy geometry may cover: `[x, y, width, height]`; `None` where it is out of view.
 pub(crate) fn tile(node: &NodeContext<'_>) -> Result<Option<[u32; 4]>, Finding> {
-    let corners = placement::volume(node, "volume")?.grid().corners_world();
-    Ok(node.view().and_then(|view| view.pixel_bounds(&corners)))
+    let grid = placement::volume(node, "volume")?.grid();
+    let corners = brick_proxy::covered(node)?.map(|[low, high]| corners_world(grid, low, high));
+    let bounds = |corners: [DVec3; 8]| node.view()?.pixel_bounds(&corners);
+    Ok(corners.and_then(bounds))
+}
+
+/// The corners of a part of a grid, which is between two points in index coordinates.
+fn corners_world(grid: &Grid, low: DVec3, high: DVec3) -> [DVec3; 8] {
+    std::array::from_fn(|corner| {
+        let is_high = [corner & 1 != 0, corner & 2 != 0, corner & 4 != 0];
+        let index = DVec3::from_array(std::array::from_fn(|axis| {
+            if is_high[axis] { high[axis] } else { low[axis] }
+        }));
+        grid.world_from_index.transform_point3(index)
+    })
+}
+
+/// The members of the uniform `tile` (see `lib/proxy.wgsl`).
+///
+/// # Errors
+/// `missing-input`.
+pub(crate) fn tile_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
+    let grid = placement::volume(node, "volume")?.grid();
+    let [low, high] = brick_proxy::covered(node)?.unwrap_or_default();
+    let middle = grid.world_from_index.transform_point3(0.5 * (low + high));
+    let corners = corners_world(grid, low, high).into_iter();
+    let radius = corners
+        .map(|corner| corner.distance(middle))
+        .fold(0.0, f64::max);
+    let half_side = 0.5 * (grid.spacing() * (high - low)).min_element();
+    let first = tile(node)?.map_or([0; 2], |tile| [tile[0], tile[1]]);
+    Ok(vec![
+        ("first", UniformValue::UVec2(first)),
+        ("centre", vec3(middle - node.origin())),
+        ("half_side", f32_value(half_side)),
+        ("radius", f32_value(radius)),
+    ])
 }

@@ -9,6 +9,8 @@ mod space;
 mod values;
 
 pub(crate) use behind::behind;
+pub(crate) use covered::choice_of;
+pub(crate) use looks::own_look;
 pub use scene::{raycast_scene, rays};
 
 use volgraph_graph::{

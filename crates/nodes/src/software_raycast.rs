@@ -1,8 +1,10 @@
-//! `software_raycast`: emission and absorption by raycasting on the processor (Knittel 2002), without the device.
+//! `software_raycast`: emission and absorption by raycasting on the processor (Knittel 2002), extremes and isosurfaces from
+//! cell to cell (Marmitt et al. 2004), without the device.
 
 mod drawing;
 mod instead;
 mod memory;
+mod params;
 
 use std::sync::Arc;
 
@@ -16,11 +18,10 @@ use volgraph_software::VoxelGrid;
 use wgpu_types::TextureFormat;
 
 pub use self::drawing::{SoftwareDrawing, scene};
-pub use self::instead::{covers, instead_of};
+pub use self::instead::{HELP, instead_of, undrawn_choice};
 pub use self::memory::SoftwareMemory;
 use crate::placement::{self, volume};
 use crate::raycast::{MAX_SEGMENTS, longest_ray};
-use crate::transfer_table::size_param;
 
 /// The node kind `software_raycast`.
 #[derive(Default)]
@@ -38,8 +39,8 @@ const INPUTS: &[InputPort] = &[
     InputPort {
         name: "transfer",
         ty: PortType::Transfer,
-        requirement: Requirement::Required,
-        doc: "The transfer function.",
+        requirement: Requirement::Optional,
+        doc: "The transfer function, which the technique `dvr` needs.",
     },
     InputPort {
         name: "behind",
@@ -61,7 +62,7 @@ impl NodeKind for SoftwareRaycast {
     }
 
     fn doc(&self) -> &'static str {
-        "Casts rays on the processor, eight at a time: the unlit `dvr` of a `raycast`, fast without a GPU."
+        "Casts rays on the processor, eight at a time: unlit `dvr`, `mip`, `minip` and lit isosurfaces, fast without a GPU."
     }
 
     fn inputs(&self) -> &[InputPort] {
@@ -73,40 +74,7 @@ impl NodeKind for SoftwareRaycast {
     }
 
     fn params(&self) -> Vec<ParamSpec> {
-        vec![
-            ParamSpec::float(
-                "step",
-                1.0,
-                "Length of a segment, in voxels of the smallest spacing.",
-            )
-            .range(0.01, 64.0)
-            .unit("voxel"),
-            ParamSpec::float(
-                "early_termination",
-                1.0 / 4096.0,
-                "A ray ends where less than this share of the light behind could still reach the eye; 0 never.",
-            )
-            .range(0.0, 0.5),
-            ParamSpec::choice(
-                "classify",
-                &["integral_1d", "post"],
-                "integral_1d",
-                "Colour and opacity of a segment: means from tables of integrals, or the transfer function at its centre.",
-            ),
-            ParamSpec::choice(
-                "attenuation",
-                &["exact", "four_lines"],
-                "exact",
-                "The opacity of an optical depth x with `integral_1d`: 1 - exp(-x), or the least of four lines, off by 0.0226.",
-            ),
-            ParamSpec::choice(
-                "traverse",
-                &["skip", "uniform"],
-                "skip",
-                "Whether rays leap over bricks of which nothing is seen; the picture is the same.",
-            ),
-            size_param(),
-        ]
+        params::params()
     }
 
     fn forget(&self) {
@@ -124,6 +92,11 @@ impl NodeKind for SoftwareRaycast {
         VoxelGrid::check(volume)
             .map_err(|error| node.error("volume-size", error.to_string()))
             .map_err(|finding| finding.help("draw it by a `raycast`"))?;
+        if node.text("technique") == "dvr" && !node.is_connected("transfer") {
+            return Err(node
+                .error("missing-input", "its technique `dvr` needs the input `transfer`")
+                .help("connect a transfer function, or set `technique` to `mip`, `minip` or `isosurface`"));
+        }
         let segments =
             longest_ray(volume.grid()) / (node.float("step") * volume.grid().min_spacing());
         if segments > MAX_SEGMENTS {

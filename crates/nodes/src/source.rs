@@ -2,6 +2,7 @@
 
 pub mod analytic;
 pub mod image;
+mod seen_bricks;
 pub mod segments;
 pub mod transfer;
 pub mod volume;

@@ -213,7 +213,7 @@ impl NodeKind for StrideMap {
     fn program(&self, node: &NodeContext<'_>) -> Option<ProgramSpec> {
         Some(ProgramSpec {
             root: "node/stride_map.wgsl",
-            fixed_slots: [placement::filter_slot(node)].into(),
+            fixed_slots: placement::texel_slots(node).into(),
             entries: vec![
                 "stride_map_begin",
                 "stride_map_x",

@@ -4,7 +4,8 @@
 //! that knows the author's place of each byte, [`check()`] gives that text to naga and turns what naga says
 //! into findings at the author's places, all that one edit made where naga would stop at the first. The [`Module`] it returns answers what a render graph asks: entry
 //! points, the bindings that one really uses, overrides, [`params`] and struct layouts. [`UniformWriter`]
-//! fills a uniform buffer by member names. For live editing, [`guard()`] rewrites a module so that each
+//! fills a uniform buffer by member names. [`specialise()`] makes constants of parameters that are choices, once their
+//! values are known. For live editing, [`guard()`] rewrites a module so that each
 //! invocation ends and tells where it went wrong. Nothing here touches a GPU.
 
 mod assemble;
@@ -27,6 +28,7 @@ mod roots;
 mod scan;
 mod silent;
 mod snapshot;
+mod specialise;
 mod statements;
 mod token;
 mod uniform;
@@ -47,4 +49,5 @@ pub use reflect::{
 };
 pub use roots::ShaderRoots;
 pub use snapshot::SnapshotFiles;
+pub use specialise::{Choices, specialise};
 pub use uniform::{UniformError, UniformValue, UniformWriter};

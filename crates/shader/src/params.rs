@@ -16,7 +16,8 @@
 //!
 //! `@default` is required: one number, as many as the vector has, or a choice (its name or index). `@range`:
 //! least and most, both allowed, of each number. `@unit`: one word. `@choices`: names of `u32` or `i32` 0, 1, …
-//! `@color`: three or four numbers are a linear colour. Types: `f32`, `i32`, `u32` and their vectors.
+//! `@color`: three or four numbers are a linear colour. `@constant`: a `u32` or `i32` for whose value pipelines are built,
+//! as they are for that of a choice (see [`crate::specialise`]), unless it has `@uniform`. Types: `f32`, `i32`, `u32` and their vectors.
 //! From here come the RON check, the command line's `--set`, the viewer's controls and the tests' sweeps.
 
 use std::fmt;
@@ -82,6 +83,8 @@ pub struct ParamSpec {
     pub unit: Option<String>,
     /// Whether it is a colour: three or four linear numbers.
     pub is_color: bool,
+    /// Whether pipelines are built for its value: of choices without `@uniform`, and with `@constant`.
+    pub is_constant: bool,
     /// Where it is declared; `None` in Rust.
     pub place: Option<Place>,
 }
@@ -103,6 +106,7 @@ impl ParamSpec {
             range: None,
             unit: None,
             is_color: false,
+            is_constant: false,
             place: None,
         }
     }

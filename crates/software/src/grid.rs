@@ -4,12 +4,16 @@
 //! memory). Two bytes: the two voxels of an edge along x in one word, four loads (twice). Others: floats, eight loads. At
 //! the far faces voxels are repeated, so that no load has to look where it is.
 
+mod corners;
+
 use glam::DVec3;
 use rayon::prelude::*;
 use volgraph_volume::{ScalarType, Volume, Voxels};
 
 use crate::SoftwareError;
 use crate::lanes::{Lanes, three};
+
+pub(crate) use self::corners::Corners;
 
 /// Voxels for trilinear samples. A raw scalar is a data value minus [`offset`](Self::offset).
 #[derive(Clone, Debug)]

@@ -85,6 +85,16 @@ pub trait Lanes: Copy + Send + Sync {
     fn of_bits(self, a: Self::I) -> Self::F;
     /// 2 to a power of -126 to 127.
     fn power(self, a: Self::I) -> Self::F;
+    /// The square root, rounded as all operations are.
+    fn sqrt(self, a: Self::F) -> Self::F;
+    /// A float of at least 2⁻¹²⁶ as a number from 1 to 2 and the power of 2 that it is times of.
+    fn parts(self, a: Self::F) -> (Self::F, Self::F);
+    /// Of each of the four bytes the larger one.
+    fn max_bytes(self, a: Self::I, b: Self::I) -> Self::I;
+    /// The largest of the four bytes of each.
+    fn highest_byte(self, a: Self::I) -> Self::F;
+    /// All bits the other way round.
+    fn inverted(self, a: Self::I) -> Self::I;
 
     /// The words at these places; past the end, or before the start, the last one. Zeros of no words.
     fn gather(self, words: &[u32], at: Self::I) -> Self::I;
@@ -107,6 +117,32 @@ pub trait Lanes: Copy + Send + Sync {
     #[inline(always)]
     fn clamp(self, a: Self::F, low: Self::F, high: Self::F) -> Self::F {
         self.min(self.max(a, low), high)
+    }
+
+    /// The logarithm to the base of 2, of floats of at least 2⁻¹²⁶, to 3e-7.
+    #[inline(always)]
+    fn log2(self, a: Self::F) -> Self::F {
+        let (part, power) = self.parts(a);
+        // Around 1: the series of the logarithm of (1 + s) / (1 - s).
+        let is_high = self.less(self.splat(std::f32::consts::SQRT_2), part);
+        let part = self.select(is_high, self.mul(part, self.splat(0.5)), part);
+        let power = self.select(is_high, self.add(power, self.splat(1.0)), power);
+        let one = self.splat(1.0);
+        let s = self.div(self.sub(part, one), self.add(part, one));
+        let square = self.mul(s, s);
+        let mut sum = self.splat(1.0 / 9.0);
+        sum = self.mul_add(sum, square, self.splat(1.0 / 7.0));
+        sum = self.mul_add(sum, square, self.splat(1.0 / 5.0));
+        sum = self.mul_add(sum, square, self.splat(1.0 / 3.0));
+        sum = self.mul_add(sum, square, one);
+        let of_part = self.mul(s, self.splat(2.0 * std::f32::consts::LOG2_E));
+        self.mul_add(sum, of_part, power)
+    }
+
+    /// The size of a float.
+    #[inline(always)]
+    fn size(self, a: Self::F) -> Self::F {
+        self.max(a, self.sub(self.splat(0.0), a))
     }
 
     /// 2 to the power of minus a, for a of 0 or more, to 2e-7 of it; no less than 2⁻¹²⁶.
@@ -181,6 +217,12 @@ mod tests {
             all.push(l.array(l.half::<0>(word)));
             all.push(l.array(l.half::<16>(word)));
             all.push(l.array(l.of_bits(word)));
+            all.push(l.array(l.highest_byte(word)));
+            all.push(l.array(l.highest_byte(l.max_bytes(l.inverted(word), whole))));
+            let positive = l.max(size, l.splat(1e-30));
+            all.push(l.array(l.sqrt(positive)));
+            all.push(l.array(l.log2(positive)));
+            all.push(l.array(l.parts(positive).0));
             all.push(l.array(l.float(l.gather(&[], whole))));
             all.extend(four(|i| l.array(l.gather_rows(&rows, whole)[i])));
             let bits = l.bits(l.less(a, b));
@@ -199,6 +241,18 @@ mod tests {
             .map(|bits| f32::from_bits(*bits))
             .collect();
         assert_eq!(bytes, [7.0, 7.0, 152.0, 3.0, 3.0, 7.0, 3.0, 3.0]);
+    }
+
+    #[test]
+    fn logarithms_are_right_to_3e_7() {
+        for i in 1..10_000_u16 {
+            let a = f32::from(i) * 0.000_37;
+            let [found, ..] = Portable.log2(Portable.splat(a));
+            let truth = f64::from(a).log2();
+            let error = (f64::from(found) - truth).abs() / truth.abs().max(1.0);
+            assert!(error < 3e-7, "{a}: {found} for {truth}");
+        }
+        assert_eq!(Portable.log2(Portable.splat(1.0))[0], 0.0);
     }
 
     #[test]

@@ -19,6 +19,8 @@ pub(crate) struct Packet {
     pub(crate) slope: [[f32; COUNT]; 3],
     /// World distance to where they leave it; 0 of rays that do not meet it.
     pub(crate) length: [f32; COUNT],
+    /// World distances from where the first of them enters to where each does, counted from the eye or from its plane.
+    pub(crate) after: [f32; COUNT],
     /// World distances from the eye, or from its plane, to where the first and the last of them enter.
     pub(crate) near: [f64; 2],
     /// The same to where the last one leaves.
@@ -31,6 +33,7 @@ impl Packet {
         entry: [[0.0; COUNT]; 3],
         slope: [[0.0; COUNT]; 3],
         length: [0.0; COUNT],
+        after: [0.0; COUNT],
         near: [f64::INFINITY, 0.0],
         far: 0.0,
     };
@@ -148,6 +151,11 @@ impl<'a> Lens<'a> {
                 packet.near[0] = smaller(packet.near[0], near[lane]);
                 packet.near[1] = larger(packet.near[1], near[lane]);
                 packet.far = larger(packet.far, far[lane]);
+            }
+        }
+        for (lane, near) in near.into_iter().enumerate() {
+            if packet.length[lane] > 0.0 {
+                packet.after[lane] = (near - packet.near[0]) as f32;
             }
         }
         packet

@@ -135,7 +135,7 @@ pub struct DataArgs {
 }
 
 /// What all commands on graphs share.
-#[derive(ClapArgs, Debug)]
+#[derive(ClapArgs, Clone, Debug)]
 pub struct SceneArgs {
     /// The graph file; or the name of a ready graph (`volgraph graphs` lists them), where there is no such file.
     pub graph: PathBuf,

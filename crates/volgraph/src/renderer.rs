@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 
 use volgraph_graph::{NodeDesc, NodeKind, ParamDesc};
 use volgraph_nodes::raycast::Raycast;
-use volgraph_nodes::software_raycast::{SoftwareRaycast, covers};
+use volgraph_nodes::software_raycast::{HELP, SoftwareRaycast, undrawn_choice};
 use volgraph_report::{Finding, Place};
 use volgraph_shader::{ParamSpec, ParamValue};
 
@@ -49,18 +49,26 @@ pub(crate) fn check_software(name: &str, node: &NodeDesc) -> Result<(), Finding>
             "set it for a `raycast`",
         );
     }
-    for (slot, choice) in &node.slots {
-        let ParamValue::Text(choice) = &choice.value else {
-            continue;
-        };
-        if !covers(slot, choice) {
-            return refused(
-                format!("the choice `{choice}` of the slot `{slot}` of `{name}`"),
-                "it draws unlit emission and absorption of a whole volume: `dvr`, `trilinear`, `unlit`",
-            );
-        }
+    if let Some((slot, choice)) = undrawn_choice(|slot| written_choice(node, slot)) {
+        let what = format!("the choice `{choice}` of the slot `{slot}` of `{name}`");
+        return refused(what, HELP);
     }
     Ok(())
+}
+
+/// What is written of a slot: of the software raycaster in its parameter of that name; else a raycast's default.
+fn written_choice(node: &NodeDesc, slot: &str) -> String {
+    let own = if is_software(&node.kind) {
+        node.params.get(slot)
+    } else {
+        node.slots.get(slot)
+    };
+    if let Some(ParamValue::Text(choice)) = own.map(|desc| &desc.value) {
+        return choice.clone();
+    }
+    let mut slots = Raycast.slots().iter();
+    let default = slots.find(|it| it.name == slot);
+    default.map_or_else(String::new, |it| it.default.to_owned())
 }
 
 /// Whether the software raycaster may draw for a node, or go on drawing, with what is set by name: it draws what is written
@@ -122,6 +130,11 @@ fn software_word(slot: &str, choice: &ParamValue) -> Option<&'static str> {
     match (slot, choice) {
         ("classify", ParamValue::Text(choice)) if choice == "post" => Some("post"),
         ("traverse", ParamValue::Text(choice)) if choice == "uniform" => Some("uniform"),
+        ("light", ParamValue::Text(choice)) if choice != "unlit" => Some("phong"),
+        ("technique", ParamValue::Text(choice)) => {
+            let all = ["mip", "minip", "isosurface"];
+            all.into_iter().find(|word| word == choice)
+        }
         _ => None,
     }
 }
@@ -173,6 +186,27 @@ mod tests {
         ];
         let node = &overridden(comparison, &again).unwrap().nodes["image"];
         assert_eq!(node.params["classify"].value.to_string(), "integral_1d");
+        // What a technique does not read does not matter.
+        let sets = [
+            "image.renderer=software",
+            "image.slots.technique=isosurface",
+            "image.slots.light=phong_ends",
+            "image.slots.tone=transfer",
+            "image.isovalue=0.25",
+            "image.refinement=bisection",
+        ];
+        let node = &overridden(comparison, &sets).unwrap().nodes["image"];
+        let text = |name: &str| node.params.get(name).map(|it| it.value.to_string());
+        assert_eq!(text("technique").as_deref(), Some("isosurface"));
+        assert_eq!(text("light").as_deref(), Some("phong"));
+        assert_eq!(text("isovalue").as_deref(), Some("0.25"));
+        assert_eq!(text("refinement"), None);
+        let mip = ["image.slots.technique=mip", "image.slots.light=phong"];
+        let sets = [&mip[..], &["image.renderer=software"]].concat();
+        assert_eq!(
+            overridden(comparison, &sets).unwrap().nodes["image"].kind,
+            "software_raycast"
+        );
         let device = overridden(comparison, &["image.renderer=device"]).unwrap();
         assert_eq!(device.nodes["image"].kind, "raycast");
     }
@@ -187,9 +221,23 @@ mod tests {
         let software = "image.renderer=software";
         assert_eq!(code(&[software, "image.slots.light=phong"]), "not-covered");
         assert_eq!(
-            code(&[software, "image.slots.technique=mip"]),
+            code(&[software, "image.slots.technique=xray"]),
             "not-covered"
         );
+        let mip = "image.slots.technique=mip";
+        assert_eq!(
+            code(&[software, mip, "image.slots.tone=transfer"]),
+            "not-covered"
+        );
+        let surface = [
+            "image.slots.technique=isosurface",
+            "image.slots.light=phong",
+        ];
+        for slot in ["shadow=surface", "gradient=tricubic", "material=transfer"] {
+            let slot = format!("image.slots.{slot}");
+            let sets = [&[software][..], &surface, &[&slot]].concat();
+            assert_eq!(code(&sets), "not-covered", "{slot}");
+        }
         assert_eq!(code(&["box.renderer=software"]), "not-covered");
         assert_eq!(code(&["image.renderer=gpu"]), "bad-param");
     }

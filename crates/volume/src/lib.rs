@@ -27,6 +27,7 @@ mod piece;
 pub mod raw;
 mod scalar;
 mod statistics;
+mod steepness;
 mod stream;
 mod text_data;
 mod volume;

@@ -49,6 +49,7 @@ pub struct Volume {
     warnings: Vec<String>,
     digest: OnceLock<Digest>,
     statistics: OnceLock<Statistics>,
+    pub(crate) steepness: OnceLock<[f64; 3]>,
 }
 
 impl Volume {
@@ -76,6 +77,7 @@ impl Volume {
                 warnings: Vec::new(),
                 digest: OnceLock::new(),
                 statistics: OnceLock::new(),
+                steepness: OnceLock::new(),
             }),
         }
     }

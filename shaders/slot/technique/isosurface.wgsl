@@ -2,7 +2,9 @@
 // @order 1 where refinement=none
 // @order 2 where refinement=linear
 // @skips isovalue
+// @heeds isovalue
 #import "lib/first_hit.wgsl"
+#import slot "labels"
 #import slot "light"
 
 struct Params {
@@ -11,26 +13,29 @@ struct Params {
 }
 
 struct TechniqueState {
-    color: vec4f,
+    // What is met, to be lit when the walk is over, and of what label it is.
+    point: SurfacePoint,
     depth: f32,
+    label: u32,
     face: CutFace,
 }
 
 fn technique_begin(ray: Ray) -> TechniqueState {
-    return TechniqueState(vec4f(0.0), RAY_NO_DEPTH, cut_face_begin());
+    let nothing = SurfacePoint(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0);
+    return TechniqueState(nothing, RAY_NO_DEPTH, 0u, cut_face_begin());
 }
 
 fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ray>, segment: Segment) -> bool {
     let hit = first_hit((*state).face, *ray, segment);
-    (*state).face = hit.face;
-    if !hit.is_met {
-        return false;
-    }
-    (*state).color = vec4f(light_surface(params.surface_color, hit.point, *ray), 1.0);
-    (*state).depth = hit.depth;
-    return true;
+    *state = TechniqueState(hit.point, hit.depth, (*ray).label, hit.face);
+    return hit.is_met;
 }
 
 fn technique_finish(state: TechniqueState, ray: Ray) -> RayResult {
-    return RayResult(state.color, state.depth);
+    if state.depth >= RAY_NO_DEPTH {
+        return ray_nothing();
+    }
+    labels_select(state.label);
+    let point = first_hit_point(state.point, ray);
+    return RayResult(vec4f(light_surface(params.surface_color, point, ray), 1.0), state.depth);
 }

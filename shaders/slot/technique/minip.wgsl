@@ -20,9 +20,10 @@ fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ra
 }
 
 fn technique_finish(state: TechniqueState, ray: Ray) -> RayResult {
-    if state.best.depth >= RAY_NO_DEPTH {
+    let best = state.best;
+    if best.depth >= RAY_NO_DEPTH {
         return ray_nothing();
     }
-    labels_select(state.best.label);
-    return RayResult(tone_color(-state.best.value), state.best.depth);
+    labels_select(best.label);
+    return RayResult(tone_color(-best.value), best.depth);
 }

@@ -36,7 +36,7 @@ fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ra
     if !hit.is_met {
         return false;
     }
-    (*state).color = vec4f(translucency_color(hit.point, *ray), 1.0);
+    (*state).color = vec4f(translucency_color(first_hit_point(hit.point, *ray), *ray), 1.0);
     (*state).depth = hit.depth;
     return true;
 }

@@ -27,7 +27,8 @@ fn transfer_half_entries(place: vec2f) -> vec4f {
 
 // The table of integrals (see `transfer_mean`).
 fn transfer_integral(column: i32, row: i32) -> vec4f {
-    return textureLoad(integral_table, vec2i(column, row), 0);
+    let place = (vec2f(vec2i(column, row)) + 0.5) / vec2f(textureDimensions(integral_table));
+    return textureSampleLevel(integral_table, nearest_sampler, place, 0.0);
 }
 
 // Makes the tables those of a row.

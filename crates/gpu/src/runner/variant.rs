@@ -179,6 +179,7 @@ impl Runner {
         hasher.part(variant_key(plan, id).as_bytes());
         if let Some(program) = &node.program {
             hasher.part(&program.module.linked.digest);
+            hasher.part(format!("{:?}", plan.choices(id)).as_bytes());
         }
         for (port, link) in &node.inputs {
             let resource = plan.resources.get(&(link.node, link.port.clone()));

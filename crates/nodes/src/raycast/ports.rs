@@ -398,6 +398,11 @@ pub(super) const SLOTS: &[SlotSpec] = &[
     },
     distance_map::EMPTINESS,
     SlotSpec {
+        name: "heed",
+        default: "all",
+        doc: "Which segments does the technique look into?",
+    },
+    SlotSpec {
         name: "light",
         default: "unlit",
         doc: "How is a point lit?",

@@ -2,11 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use volgraph_graph::{NodeContext, NodeKind};
+use glam::DVec3;
+use volgraph_graph::{NodeContext, NodeKind, Uniform};
 use volgraph_optics::TransferFunction;
 use volgraph_report::Finding;
-use volgraph_shader::ParamValue;
+use volgraph_shader::{ParamValue, UniformValue};
 use volgraph_volume::Grid;
+use wgpu_types::TextureFormat;
 
 use super::Raycast;
 use super::tables::data_value;
@@ -30,14 +32,15 @@ pub(crate) fn walk_slots(node: &NodeContext<'_>) -> BTreeMap<String, String> {
     // Most rays have one part, and need no loop over parts.
     let is_whole = node.slot("clip") == "none" && !segmentation::has_labels(node);
     let parts = if is_whole { "one" } else { "many" };
-    BTreeMap::from([
+    let mut slots = BTreeMap::from([
         ("parts".to_owned(), parts.to_owned()),
         ("table_filter".to_owned(), table_filter.to_owned()),
-        placement::filter_slot(node),
         placement::filter_slot_at(node, "clip_volume"),
         (segmentation::TABLES_SLOT.to_owned(), tables.to_owned()),
         ("transfer_reach".to_owned(), reach(node).to_owned()),
-    ])
+    ]);
+    slots.extend(placement::texel_slots(node));
+    slots
 }
 
 /// Whether scalars may leave the tables of transfer functions: of data that go farther, and of fields that overshoot
@@ -150,4 +153,42 @@ pub(crate) fn longest_ray(grid: &Grid) -> f64 {
         .iter()
         .flat_map(|from| corners.iter().map(move |to| from.distance(*to)));
     pairs.fold(0.0, f64::max)
+}
+
+/// Which segments the technique looks into, the choice of the slot `heed`: of the trilinear field it is known how much it
+/// changes within a segment, so that only those are looked into that may show something. What the
+/// technique's file says holds for it.
+pub(super) fn heed(node: &NodeContext<'_>) -> String {
+    let heeds = node.slot("heed");
+    // The estimate of the error goes along with every segment.
+    if is_trilinear(node) && !node.is_wanted("error") {
+        heeds.to_owned()
+    } else {
+        "all".to_owned()
+    }
+}
+
+/// The members of the uniform `steepness` (see `lib/steepness.wgsl`).
+pub(super) fn steepness_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
+    let volume = placement::volume(node, "volume")?;
+    let encoding = placement::encoding(node)?;
+    let steepest = volume.steepness();
+    let span = encoding.range.1 - encoding.range.0;
+    // Filters weigh with 8 bits at least, and 8-bit formats may be rounded at each of three turns.
+    let weights = steepest.iter().sum::<f64>() * 3.0 / 256.0;
+    let texels = if encoding.format == TextureFormat::R8Unorm {
+        4.0 * encoding.scale.abs() / 255.0
+    } else {
+        span / 1024.0
+    };
+    Ok(vec![
+        (
+            "per_voxel",
+            placement::vec3(DVec3::from_array(steepest) * (1.0 + 1.0e-3)),
+        ),
+        (
+            "error",
+            UniformValue::F32((encoding.error + weights + texels) as f32),
+        ),
+    ])
 }

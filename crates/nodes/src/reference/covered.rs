@@ -4,10 +4,14 @@ use volgraph_graph::{NodeContext, NodeKind};
 use volgraph_report::Finding;
 
 use crate::raycast::Raycast;
+use crate::software_raycast::SoftwareRaycast;
 
-/// The choice of a slot: of a renderer that has no such slot, what a raycast does by default.
-pub(super) fn choice_of<'g>(node: &NodeContext<'g>, name: &str) -> &'g str {
+/// The choice of a slot: of the software raycaster its parameter of that name, of a renderer that has no such slot what a
+/// raycast does by default.
+pub(crate) fn choice_of<'g>(node: &NodeContext<'g>, name: &str) -> &'g str {
+    let is_software = || node.kind_name() == SoftwareRaycast::default().name();
     match node.slot(name) {
+        "" if !node.text(name).is_empty() && is_software() => node.text(name),
         "" => {
             let slots = Raycast.slots().iter();
             let mut own = slots.filter(|slot| slot.name == name);
@@ -53,6 +57,8 @@ const COVERED: &[(&str, &[&str])] = &[
             "preintegrated_3d",
         ],
     ),
+    // Which segments are looked into changes no picture.
+    ("heed", &["all", "isovalue"]),
     // Leaps are over what is not seen.
     ("traverse", &["uniform", "skip", "adaptive"]),
     (

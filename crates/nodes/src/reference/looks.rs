@@ -17,6 +17,14 @@ const MAX_LAYERS: usize = 8;
 /// Lights there are.
 const MAX_LAMPS: usize = 4;
 
+/// The look of a node's own parameters.
+///
+/// # Errors
+/// `missing-input`.
+pub(crate) fn own_look(node: &NodeContext<'_>) -> Result<Look, Finding> {
+    look(&Values::own(node), 0)
+}
+
 /// The look of a node's own parameters, or of one label's; `transfer` is the row of its transfer function.
 pub(super) fn look(values: &Values<'_>, transfer: usize) -> Result<Look, Finding> {
     let node = &values.node;

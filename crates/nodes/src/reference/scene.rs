@@ -37,14 +37,12 @@ pub fn rays(view: &View) -> Rays {
 /// # Errors
 /// `not-covered` where the reference does not know how to compute it; `missing-input`.
 pub fn raycast_scene(node: &NodeContext<'_>, view: &View) -> Result<Scene, Finding> {
-    if node.kind_name() == SoftwareRaycast::default().name() {
-        return software_raycast::scene(node, view);
-    }
     if node.kind_name() == ShearWarp::default().name() {
         // The same matter; that its rays are parallel is the view's.
         return software_raycast::scene(node, view);
     }
-    if !crate::draws_volumes(&node.kind_name()) {
+    let is_software = node.kind_name() == SoftwareRaycast::default().name();
+    if !is_software && !crate::draws_volumes(&node.kind_name()) {
         let message = format!(
             "the reference computes the pictures of raycasts, and this is a `{}`",
             node.kind_name()

@@ -5,19 +5,29 @@ use volgraph_report::Finding;
 use volgraph_software::{Attenuation, Classify};
 
 use super::SoftwareRaycast;
-use super::drawing::{SoftwareDrawing, shared_volume};
+use super::drawing::{MatterDrawing, Shows, SoftwareDrawing, scalar_shows, shared_volume};
 use crate::raycast::Raycast;
-use crate::reference::{behind, rays};
+use crate::reference::{behind, choice_of, rays};
 use crate::transfer_table;
 
-/// The slots whose choices it knows: unlit emission and absorption of the whole trilinear field, by any quadrature.
-const COVERED: &[(&str, &[&str])] = &[
-    ("technique", &["dvr"]),
+/// What it draws, as a remedy.
+pub const HELP: &str = "it draws `dvr` (`unlit`), `mip`, `minip` and `isosurface` (`unlit` or `phong`) of a whole `trilinear` volume";
+
+/// Slots, and the choices of them that it knows.
+type Covered = &'static [(&'static str, &'static [&'static str])];
+
+/// Of all techniques.
+const COVERED: Covered = &[
+    ("technique", &["dvr", "mip", "minip", "isosurface"]),
     ("reconstruct", &["trilinear"]),
-    ("light", &["unlit"]),
     ("clip", &["none"]),
     ("labels", &["none"]),
     ("traverse", &["uniform", "skip"]),
+];
+
+/// Of emission and absorption: unlit, by any quadrature.
+const OF_MATTER: Covered = &[
+    ("light", &["unlit"]),
     (
         "classify",
         &[
@@ -32,11 +42,36 @@ const COVERED: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// Whether it draws what a choice of a `raycast`'s slot draws; also of slots that it does not know of.
+const OF_PROJECTIONS: Covered = &[("tone", &["window"])];
+
+/// Both ways to light make the same of a surface.
+const OF_SURFACES: Covered = &[("light", &["unlit", "phong", "phong_ends"])];
+
+/// Of surfaces in light.
+const OF_LIT_SURFACES: Covered = &[
+    ("gradient", &["stored"]),
+    ("gradient_method", &["central"]),
+    ("material", &["uniform"]),
+    ("shadow", &["none"]),
+    ("environment", &["none"]),
+];
+
+/// The first slot of a `raycast` whose choice it does not draw, with that choice; slots that the technique does not read do
+/// not matter.
 #[must_use]
-pub fn covers(slot: &str, choice: &str) -> bool {
-    let known = COVERED.iter().find(|(known, _)| *known == slot);
-    known.is_none_or(|(_, choices)| choices.contains(&choice))
+pub fn undrawn_choice(choice_of: impl Fn(&str) -> String) -> Option<(&'static str, String)> {
+    let technique = choice_of("technique");
+    let is_lit = choice_of("light") != "unlit";
+    let more: &[Covered] = match technique.as_str() {
+        "dvr" => &[OF_MATTER],
+        "isosurface" if is_lit => &[OF_SURFACES, OF_LIT_SURFACES],
+        "isosurface" => &[OF_SURFACES],
+        _ => &[OF_PROJECTIONS],
+    };
+    let all = COVERED.iter().chain(more.iter().copied().flatten());
+    all.map(|(slot, choices)| (*slot, choice_of(slot), choices))
+        .find(|(_, choice, choices)| !choices.contains(&choice.as_str()))
+        .map(|(slot, choice, _)| (slot, choice))
 }
 
 /// What it draws in place of a `raycast`, or for a `software_raycast`, and in words by which method.
@@ -55,7 +90,18 @@ pub fn instead_of(
     } else {
         return Err(not_covered(node, &format!("the kind `{kind}`")));
     };
-    let words = format!("`{classify}` at a step of {} voxels", drawing.step);
+    let technique = choice_of(node, "technique");
+    let step = format!("at a step of {} voxels", drawing.step);
+    let words = match drawing.shows {
+        Shows::Matter(_) => format!("`{classify}` {step}"),
+        Shows::Projection {
+            of_samples: true, ..
+        } => format!("`{technique}` of samples {step}"),
+        Shows::Isosurface {
+            is_linear: true, ..
+        } => format!("`{technique}`, linear {step}"),
+        _ => format!("`{technique}` from cell to cell"),
+    };
     Ok((drawing, words))
 }
 
@@ -63,14 +109,22 @@ fn of_raycast<'n>(
     node: &NodeContext<'n>,
     view: &View,
 ) -> Result<(SoftwareDrawing, &'n str), Finding> {
-    for (slot, _) in COVERED {
-        let choice = node.slot(slot);
-        if !covers(slot, choice) {
-            return Err(not_covered(
-                node,
-                &format!("the choice `{choice}` of the slot `{slot}`"),
-            ));
-        }
+    if let Some((slot, choice)) = undrawn_choice(|slot| choice_of(node, slot).to_owned()) {
+        return Err(not_covered(
+            node,
+            &format!("the choice `{choice}` of the slot `{slot}`"),
+        ));
+    }
+    if let Some(shows) = scalar_shows(node)? {
+        let drawing = SoftwareDrawing {
+            rays: rays(view),
+            volume: shared_volume(node)?,
+            background: behind(node, view)?,
+            step: node.float("step"),
+            leaps: true,
+            shows,
+        };
+        return Ok((drawing, ""));
     }
     let exact = Classify::Integral1d(Attenuation::Exact);
     let step = node.float("step");
@@ -91,13 +145,15 @@ fn of_raycast<'n>(
     let drawing = SoftwareDrawing {
         rays: rays(view),
         volume: shared_volume(node)?,
-        transfer: transfer_table::transfer(node, "transfer")?,
-        classify,
         background: behind(node, view)?,
         step,
-        early_termination: node.float("early_termination"),
         leaps: true,
-        table_size,
+        shows: Shows::Matter(MatterDrawing {
+            transfer: transfer_table::transfer(node, "transfer")?,
+            classify,
+            early_termination: node.float("early_termination"),
+            table_size,
+        }),
     };
     Ok((drawing, name))
 }
@@ -107,5 +163,5 @@ fn not_covered(node: &NodeContext<'_>, what: &str) -> Finding {
         "not-covered",
         format!("the software raycaster does not draw {what}"),
     )
-    .help("it draws unlit emission and absorption of a whole volume: `dvr`, `trilinear`, `unlit`")
+    .help(HELP)
 }

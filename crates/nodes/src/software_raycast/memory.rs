@@ -1,14 +1,14 @@
 //! What stays of pictures while the camera moves: voxels and tables as the software raycaster wants them.
 
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 
 use volgraph_optics::TransferFunction;
 use volgraph_reference::{Background, Rays};
 use volgraph_report::Finding;
-use volgraph_software::{Classify, DistanceMap, Tables, VoxelGrid};
+use volgraph_software::{Classify, DistanceMap, RangeMap, Tables, VoxelGrid};
 use volgraph_volume::{BrickRanges, Volume};
 
-use super::drawing::{SoftwareDrawing, units};
+use super::drawing::{MatterDrawing, Shows, SoftwareDrawing, units};
 
 /// Made things that the last pictures needed, by what they were made of. Forgetting one costs time alone.
 #[derive(Debug, Default)]
@@ -45,8 +45,11 @@ struct Behind {
 #[derive(Debug)]
 struct Voxels {
     grid: Arc<VoxelGrid>,
-    bricks: BrickRanges,
     edge: u32,
+    /// For emission and absorption.
+    bricks: OnceLock<BrickRanges>,
+    /// For all else.
+    ranges: OnceLock<Arc<RangeMap>>,
 }
 
 #[derive(Debug)]
@@ -59,8 +62,9 @@ struct LookKey {
 /// All that a picture needs.
 pub(super) struct Prepared {
     pub voxels: Arc<VoxelGrid>,
-    pub tables: Arc<Tables>,
-    pub empty: Option<Arc<DistanceMap>>,
+    /// Of emission and absorption.
+    pub looks: Option<(Arc<Tables>, Option<Arc<DistanceMap>>)>,
+    pub ranges: Option<Arc<RangeMap>>,
     pub behind: Arc<Vec<[f32; 4]>>,
 }
 
@@ -85,11 +89,18 @@ impl SoftwareMemory {
             .looks
             .retain(|(key, ..)| key.volume.strong_count() > 0 && key.transfer.strong_count() > 0);
         let voxels = memory.voxels(&drawing.volume)?;
-        let (tables, empty) = memory.look(drawing, &voxels)?;
+        let (looks, ranges) = match &drawing.shows {
+            Shows::Matter(matter) => (Some(memory.look(drawing, matter, &voxels)?), None),
+            _ if !drawing.leaps => (None, None),
+            _ => {
+                let ranges = || Arc::new(RangeMap::new(&drawing.volume, &voxels.grid));
+                (None, Some(Arc::clone(voxels.ranges.get_or_init(ranges))))
+            }
+        };
         Ok(Prepared {
             voxels: Arc::clone(&voxels.grid),
-            tables,
-            empty,
+            looks,
+            ranges,
             behind: memory.behind(&drawing.background, &drawing.rays),
         })
     }
@@ -108,8 +119,9 @@ impl Remembered {
         let edge = if is_large { LARGE_EDGE } else { EDGE };
         let voxels = Arc::new(Voxels {
             grid: Arc::new(grid),
-            bricks: volume.brick_ranges(edge, 1),
             edge,
+            bricks: OnceLock::new(),
+            ranges: OnceLock::new(),
         });
         remember(&mut self.voxels, (of, Arc::clone(&voxels)));
         Ok(voxels)
@@ -118,14 +130,15 @@ impl Remembered {
     fn look(
         &mut self,
         drawing: &SoftwareDrawing,
+        matter: &MatterDrawing,
         voxels: &Voxels,
     ) -> Result<(Arc<Tables>, Option<Arc<DistanceMap>>), Finding> {
         let key = LookKey {
             volume: Arc::downgrade(&drawing.volume),
-            transfer: Arc::downgrade(&drawing.transfer),
+            transfer: Arc::downgrade(&matter.transfer),
             numbers: (
-                drawing.classify,
-                drawing.table_size,
+                matter.classify,
+                matter.table_size,
                 drawing.step.to_bits(),
                 drawing.leaps,
             ),
@@ -141,17 +154,19 @@ impl Remembered {
             return Ok((Arc::clone(tables), empty.clone()));
         }
         let tables = Tables::new(
-            &drawing.transfer,
-            units(&drawing.volume, &drawing.transfer),
+            &matter.transfer,
+            units(&drawing.volume, &matter.transfer),
             voxels.grid.offset,
-            drawing.classify,
-            drawing.table_size,
+            matter.classify,
+            matter.table_size,
             drawing.step_world(),
         );
         let tables = Arc::new(tables.map_err(|error| Finding::error("table", error.to_string()))?);
-        let empty = drawing
-            .leaps
-            .then(|| Arc::new(DistanceMap::new(&voxels.bricks, voxels.edge, &tables)));
+        let empty = drawing.leaps.then(|| {
+            let (volume, edge) = (&drawing.volume, voxels.edge);
+            let bricks = voxels.bricks.get_or_init(|| volume.brick_ranges(edge, 1));
+            Arc::new(DistanceMap::new(bricks, edge, &tables))
+        });
         remember(&mut self.looks, (key, Arc::clone(&tables), empty.clone()));
         Ok((tables, empty))
     }

@@ -110,9 +110,7 @@ impl SourceKind for AnalyticKind {
             )
             .map_err(|error| Findings::from(Finding::from(error)))?;
         progress(1, 1);
-        Ok(Arc::new(VolumeSource {
-            volume: Arc::new(volume),
-        }))
+        Ok(Arc::new(VolumeSource::new(Arc::new(volume))))
     }
 }
 

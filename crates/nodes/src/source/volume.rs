@@ -12,6 +12,8 @@ use volgraph_shader::{ParamSpec, ParamValue};
 use volgraph_volume::{LoadOptions, ScalarType, Volume};
 
 use super::Given;
+use super::seen_bricks::SeenBricks;
+use crate::encoding::Encoding;
 
 /// The source kind `volume`.
 pub struct VolumeKind;
@@ -21,6 +23,29 @@ pub struct VolumeKind;
 pub struct VolumeSource {
     /// The volume.
     pub volume: Arc<Volume>,
+    /// Where its bricks are seen.
+    bricks: SeenBricks,
+}
+
+impl VolumeSource {
+    /// A volume as a source.
+    #[must_use]
+    pub fn new(volume: Arc<Volume>) -> Self {
+        Self {
+            volume,
+            bricks: SeenBricks::default(),
+        }
+    }
+
+    /// The first and the last brick along each axis that has scalars in open intervals, as shaders read them.
+    pub(crate) fn seen_bricks(
+        &self,
+        storage: &str,
+        spans: Vec<(f64, f64)>,
+        encoding: &Encoding,
+    ) -> Option<[[u32; 3]; 2]> {
+        self.bricks.of(&self.volume, storage, spans, encoding)
+    }
 }
 
 impl SourceKind for VolumeKind {
@@ -113,9 +138,7 @@ impl SourceKind for VolumeKind {
             progress: None,
         };
         let volume = load_with_progress(&path, options, progress)?;
-        Ok(Arc::new(VolumeSource {
-            volume: Arc::new(volume),
-        }))
+        Ok(Arc::new(VolumeSource::new(Arc::new(volume))))
     }
 }
 

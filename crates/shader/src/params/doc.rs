@@ -8,7 +8,9 @@ use crate::layout::{MemberType, ScalarType};
 use crate::linked::{Linked, MergedParam};
 use crate::params::{ParamSpec, ParamType, ParamValue};
 
-const TAGS: [&str; 5] = ["default", "range", "unit", "choices", "color"];
+const TAGS: [&str; 7] = [
+    "default", "range", "unit", "choices", "color", "constant", "uniform",
+];
 
 /// A piece of a doc comment with its place in its file.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,6 +79,24 @@ pub(crate) fn shader_param(
         spec.is_color = matches!(spec.ty, ParamType::Vector(3 | 4)) && tag.words.is_empty();
         if !spec.is_color {
             let message = "`@color` stands alone, and only vec3f and vec4f are colours";
+            findings.push(error(&tag.name.range, message.to_owned()));
+        }
+    }
+    spec.is_constant = matches!(spec.ty, ParamType::Choice(_));
+    if let Some(tag) = find("uniform") {
+        if !spec.is_constant || !tag.words.is_empty() {
+            let message = "`@uniform` stands alone, and only what has `@choices` takes it";
+            findings.push(error(&tag.name.range, message.to_owned()));
+        }
+        spec.is_constant = false;
+    }
+    if let Some(tag) = find("constant") {
+        // Choices are constants already.
+        spec.is_constant =
+            matches!(spec.ty, ParamType::Int | ParamType::Uint) && tag.words.is_empty();
+        if !spec.is_constant {
+            let message =
+                "`@constant` stands alone, and only u32 and i32 without `@choices` take it";
             findings.push(error(&tag.name.range, message.to_owned()));
         }
     }

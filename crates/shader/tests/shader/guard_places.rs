@@ -158,7 +158,7 @@ fn what_cannot_be_guarded_stays_as_it_is_and_says_why() {
 }
 
 /// volgraph's own nodes; each choice of each slot that they reach is in one of them at least.
-fn own_shaders() -> Vec<Linked> {
+pub fn own_shaders() -> Vec<Linked> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shaders");
     let roots = ShaderRoots::on_disk().root(&folder);
     let slots = std::fs::read_dir(folder.join("slot")).expect("a shader of the folder");

@@ -10,6 +10,7 @@ mod names;
 mod params;
 mod recover;
 mod reflect;
+mod specialise;
 mod uniform;
 
 use std::path::Path;

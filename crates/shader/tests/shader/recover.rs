@@ -264,6 +264,8 @@ fn one_mistake_in_a_real_shader_is_one_finding() {
         ("error_layer", "none"),
         ("behind", "texture"),
         ("volume_filter", "loads"),
+        ("volume_texel", "load"),
+        ("heed", "all"),
         ("clip_volume_filter", "loads"),
         ("transfer_tables", "one"),
         ("transfer_reach", "within"),

@@ -137,6 +137,34 @@ impl Lanes for Avx2 {
         cast(self.0.shl_const_i32x8::<23>(biased))
     }
     #[inline(always)]
+    fn sqrt(self, a: f32x8) -> f32x8 {
+        cast(self.0.avx._mm256_sqrt_ps(cast(a)))
+    }
+    #[inline(always)]
+    fn parts(self, a: f32x8) -> (f32x8, f32x8) {
+        let bits: u32x8 = cast(a);
+        let power = self.0.shr_const_u32x8::<23>(bits);
+        let power = self.float(self.add_whole(cast(power), self.whole(-127)));
+        let digits = self.0.and_u32x8(bits, self.0.splat_u32x8(0x7f_ffff));
+        let part = self.0.or_u32x8(digits, self.0.splat_u32x8(127 << 23));
+        (cast(part), power)
+    }
+    #[inline(always)]
+    fn max_bytes(self, a: i32x8, b: i32x8) -> i32x8 {
+        cast(self.0.avx2._mm256_max_epu8(cast(a), cast(b)))
+    }
+    #[inline(always)]
+    fn highest_byte(self, a: i32x8) -> f32x8 {
+        let halves: u32x8 = self.0.shr_const_u32x8::<16>(cast(a));
+        let of_two = self.max_bytes(a, cast(halves));
+        let other: u32x8 = self.0.shr_const_u32x8::<8>(cast(of_two));
+        self.byte::<0>(self.max_bytes(of_two, cast(other)))
+    }
+    #[inline(always)]
+    fn inverted(self, a: i32x8) -> i32x8 {
+        cast(self.0.xor_u32x8(cast(a), self.0.splat_u32x8(u32::MAX)))
+    }
+    #[inline(always)]
     fn gather(self, words: &[u32], at: i32x8) -> i32x8 {
         // Offsets of the instruction are signed: the last one must be a positive number.
         let Some(last) = words.len().min(1 << 31).checked_sub(1) else {

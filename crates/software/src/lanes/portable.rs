@@ -119,6 +119,32 @@ impl Lanes for Portable {
         a.map(|a| f32::from_bits((a.wrapping_add(127) as u32) << 23))
     }
     #[inline(always)]
+    fn sqrt(self, a: Self::F) -> Self::F {
+        a.map(f32::sqrt)
+    }
+    #[inline(always)]
+    #[expect(clippy::cast_precision_loss, reason = "eight bits")]
+    fn parts(self, a: Self::F) -> (Self::F, Self::F) {
+        let part = |a: f32| f32::from_bits((a.to_bits() & 0x7f_ffff) | (127 << 23));
+        let power = |a: f32| ((a.to_bits() >> 23) as i32 - 127) as f32;
+        (a.map(part), a.map(power))
+    }
+    #[inline(always)]
+    fn max_bytes(self, a: Self::I, b: Self::I) -> Self::I {
+        each(a, b, |a, b| {
+            let (a, b) = (a.to_ne_bytes(), b.to_ne_bytes());
+            i32::from_ne_bytes(std::array::from_fn(|i| a[i].max(b[i])))
+        })
+    }
+    #[inline(always)]
+    fn highest_byte(self, a: Self::I) -> Self::F {
+        a.map(|a| f32::from(a.to_ne_bytes().into_iter().fold(0, u8::max)))
+    }
+    #[inline(always)]
+    fn inverted(self, a: Self::I) -> Self::I {
+        a.map(|a| !a)
+    }
+    #[inline(always)]
     fn gather(self, words: &[u32], at: Self::I) -> Self::I {
         let Some(last) = words.len().checked_sub(1) else {
             return [0; COUNT];

@@ -37,6 +37,10 @@ pub struct BenchArgs {
         default_value = "python3"
     )]
     pub python: PathBuf,
+    /// Draw speed against accuracy of the renderers of --peers and of volgraph into this SVG file; more settings of each are
+    /// timed for it.
+    #[arg(long, value_name = "FILE", requires = "peers")]
+    pub chart: Option<PathBuf>,
     /// The folder for bench.json and index.html; it is made where it is not there.
     #[arg(short, long, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
@@ -85,6 +89,10 @@ pub struct BenchArgs {
     /// Leave the limit out; of one graph.
     #[arg(long, conflicts_with = "report")]
     pub no_limit: bool,
+    /// Edit the transfer function so many times in a live session, each time with other scalars empty, and time what that has
+    /// made anew; of one graph.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub edits: Option<u32>,
     /// Set a parameter, a slot or a source's field; may be given again; of one graph.
     #[arg(long, conflicts_with = "report", value_name = "NODE.PARAM=VALUE | NODE.slots.SLOT=CHOICE", value_parser = ParamOverride::parse)]
     pub set: Vec<ParamOverride>,

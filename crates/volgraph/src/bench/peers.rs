@@ -84,12 +84,21 @@ impl PeerWork {
                 &["image.slots.classify=preintegrated_2d", "image.step=0.5"],
             ],
             Self::Mip => &[
+                &[
+                    "image.renderer=software",
+                    "image.extremum=samples",
+                    "image.step=1",
+                ],
+                &["image.renderer=software", "image.extremum=field"],
                 &["image.extremum=samples", "image.step=1"],
                 &["image.extremum=samples", "image.step=0.5"],
                 &["image.extremum=field", "image.step=1"],
                 &["image.extremum=samples", "image.step=0.25"],
             ],
-            Self::Isosurface => &[&["image.refinement=cubic", "image.step=1"]],
+            Self::Isosurface => &[
+                &["image.renderer=software", "image.refinement=cubic"],
+                &["image.refinement=cubic", "image.step=1"],
+            ],
         }
     }
 }

@@ -4,9 +4,12 @@
 //! [`peers`]); after each step it is written again as bench.json and as a page ([`page`]), so that nothing measured is
 //! lost where it is interrupted.
 
+mod edits;
 mod growth;
 mod one;
 mod page;
+mod peer_chart;
+mod peer_methods;
 mod peers;
 mod report;
 mod start_up;

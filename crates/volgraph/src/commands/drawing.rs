@@ -3,10 +3,14 @@
 //! Ink and grid are drawn in two colours that nothing else has, and replaced by what the page around a drawing says
 //! ([`inline`]) or by a style sheet of its own ([`standalone`]).
 
+mod labels;
+
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use volgraph::Finding;
+
+pub use self::labels::Labels;
 
 pub const INK: RGBColor = RGBColor(1, 1, 1);
 pub const GRID: RGBColor = RGBColor(2, 2, 2);

@@ -1,7 +1,7 @@
 //! The axes of the software raycaster, where it draws what a raycast draws.
 
 use volgraph_graph::{NodeId, Plan};
-use volgraph_nodes::software_raycast::{covers, instead_of};
+use volgraph_nodes::software_raycast::{HELP, instead_of, undrawn_choice};
 use volgraph_report::{Finding, Place};
 use volgraph_shader::{ParamSpec, ParamValue};
 
@@ -54,7 +54,7 @@ pub(super) fn unoffered(plan: &Plan, id: NodeId, filter: &Filter) -> Finding {
     );
     Finding::error("bad-methods", message)
         .at(Place::whole_file(format!("--methods {}", filter.name)))
-        .help("`device` is a raycast's own; `software` draws unlit emission and absorption of a whole volume")
+        .help(format!("`device` is a raycast's own; `software`: {HELP}"))
 }
 
 /// Whether the software raycaster draws the same picture as a node of the device.
@@ -71,13 +71,19 @@ fn offered(plan: &Plan, id: NodeId, filters: &[Filter]) -> Option<Vec<Axis>> {
     if is_software(&node.kind_name()) || !draws_the_same(plan, id) {
         return None;
     }
+    let choice_of = |slot: &str| node.slots.get(slot).map_or("", |it| &it.choice).to_owned();
+    // Classification and its end are of emission and absorption.
+    let is_matter = choice_of("technique") == "dvr";
+    let is_read = |name: &&str| is_matter || ["traverse", "step"].contains(name);
     let own = |name: &str| node.params.get(name).cloned();
     let specs = software_specs();
     let spec = |name: &str| specs.iter().find(|spec| spec.name == name);
     let named = SOFTWARE_CHOICES
         .iter()
+        .filter(|name| is_read(name))
         .filter_map(|name| Some((*name, choices(spec(name)?))));
-    let numbered = METHOD_NUMBERS.iter().filter_map(|(name, multiples)| {
+    let numbered = METHOD_NUMBERS.iter().filter(|(name, _)| is_read(name));
+    let numbered = numbered.filter_map(|(name, multiples)| {
         let spec = spec(name)?;
         let own = own(name).and_then(|value| spec.check(&value).ok());
         Some((*name, numbers(spec, multiples, own)))
@@ -91,7 +97,16 @@ fn offered(plan: &Plan, id: NodeId, filters: &[Filter]) -> Option<Vec<Axis>> {
             // Of slots that it has no parameter for it must draw one of the choices.
             let mut wanted = filter.wanted.iter();
             let is_drawn = wanted.any(|it| match it {
-                Wanted::Value(choice) => covers(&filter.name, choice),
+                Wanted::Value(choice) => {
+                    let with_it = |slot: &str| {
+                        if slot == filter.name {
+                            choice.clone()
+                        } else {
+                            choice_of(slot)
+                        }
+                    };
+                    undrawn_choice(with_it).is_none()
+                }
                 Wanted::All | Wanted::Doubles(..) => true,
             });
             if is_drawn {

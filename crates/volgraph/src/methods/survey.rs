@@ -140,6 +140,8 @@ fn first(space: &MethodSpace, base: &[usize], options: &SurveyOptions) -> Vec<Ve
     }
     let mut first = space.product(base, |axis| PLANE.contains(&axis.name.as_str()));
     first.extend(space.neighbours(base));
+    // They are few and need no device to be made ready: time that is short reaches them too.
+    first.sort_by_key(|at| !space.method(at).is_software());
     first
 }
 

@@ -214,7 +214,10 @@ fn the_software_raycaster_is_a_method_where_it_draws_the_same_picture() {
             .any(|axis| axis.is_software || axis.name == "renderer")
     };
     assert!(has(&[], ""));
-    assert!(!has(&["image.slots.technique=mip"], ""));
+    assert!(has(&["image.slots.technique=mip"], ""));
+    let toned = ["image.slots.technique=mip", "image.slots.tone=transfer"];
+    assert!(!has(&toned, ""));
+    assert!(!has(&["image.slots.technique=xray"], ""));
     assert!(!has(
         &["image.slots.classify=post"],
         "classify=preintegrated_2d"

@@ -172,6 +172,10 @@ fn what_cannot_be_benched_is_told() {
             ],
             "nothing_8x8x8_uint8.raw",
         ),
+        (
+            vec!["bench", "--peers", ".", "-o", "out", "--filter", "nobody"],
+            "`vispy-egl/mip/1/c60`",
+        ),
         (vec!["bench", "--tables"], "--output"),
         (vec!["bench"], "GRAPH"),
     ] {

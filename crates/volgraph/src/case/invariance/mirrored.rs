@@ -56,7 +56,7 @@ pub(in crate::case) fn source(
     axis: Axis,
     middle: DVec3,
 ) -> Result<Arc<dyn Source>, VolumeError> {
-    let Some(VolumeSource { volume }) = source.as_any().downcast_ref::<VolumeSource>() else {
+    let Some(VolumeSource { volume, .. }) = source.as_any().downcast_ref::<VolumeSource>() else {
         return Ok(Arc::clone(source));
     };
     let grid = volume.grid();
@@ -73,9 +73,7 @@ pub(in crate::case) fn source(
     };
     let voxels = reverse(volume.voxels(), grid.dims, reversed);
     let volume = Volume::new(volume.name(), mirrored, voxels)?;
-    Ok(Arc::new(VolumeSource {
-        volume: Arc::new(volume),
-    }))
+    Ok(Arc::new(VolumeSource::new(Arc::new(volume))))
 }
 
 /// The voxels in reverse along an axis.
@@ -126,9 +124,7 @@ mod tests {
         };
         let values: Vec<f32> = (0..24_u8).map(f32::from).collect();
         let volume = Volume::new("v", grid, values.into()).unwrap();
-        let source: Arc<dyn Source> = Arc::new(VolumeSource {
-            volume: Arc::new(volume),
-        });
+        let source: Arc<dyn Source> = Arc::new(VolumeSource::new(Arc::new(volume)));
         let middle = DVec3::new(1.0, 2.0, 3.0);
         for axis in [Axis::X, Axis::Y, Axis::Z] {
             let there = super::source(&source, axis, middle).unwrap();

@@ -18,7 +18,7 @@ pub(in crate::case) fn source(
     source: &Arc<dyn Source>,
     scalar: ScalarType,
 ) -> Result<Arc<dyn Source>, VolumeError> {
-    let Some(VolumeSource { volume }) = source.as_any().downcast_ref::<VolumeSource>() else {
+    let Some(VolumeSource { volume, .. }) = source.as_any().downcast_ref::<VolumeSource>() else {
         return Ok(Arc::clone(source));
     };
     let (low, scale) = if volume.voxels().scalar_type() == ScalarType::U8 {
@@ -44,7 +44,5 @@ pub(in crate::case) fn source(
         _ => bytes.into(),
     };
     let volume = Volume::new(volume.name(), *volume.grid(), voxels)?;
-    Ok(Arc::new(VolumeSource {
-        volume: Arc::new(volume),
-    }))
+    Ok(Arc::new(VolumeSource::new(Arc::new(volume))))
 }

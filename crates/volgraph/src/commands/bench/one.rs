@@ -10,6 +10,7 @@ use volgraph::{Findings, Scene, Session, SessionOptions, open_beside};
 use volgraph_gpu::Gpu;
 use volgraph_measure::timing::{Summary, ratio};
 
+use super::edits;
 use crate::args::{BenchArgs, SceneArgs};
 use crate::commands::{load, session_options};
 use crate::{clock, output};
@@ -71,6 +72,10 @@ pub fn run(args: &BenchArgs, scene_args: &SceneArgs) -> anyhow::Result<ExitCode>
         [frame_ms, limit_ms, empty_ms] => Limit::of(frame_ms, limit_ms, empty_ms),
         _ => None,
     };
+    let edits = match args.edits {
+        Some(edits) => Some(edits::run(scene_args, edits, &gpu, &options)?),
+        None => None,
+    };
     if args.json {
         output::print_json(&json!({
             "adapter": session.adapter(),
@@ -82,6 +87,7 @@ pub fn run(args: &BenchArgs, scene_args: &SceneArgs) -> anyhow::Result<ExitCode>
             "first_picture_ms": first_picture_ms,
             "peak_resident_bytes": peak_resident,
             "device_bytes": device_bytes(session),
+            "edits": edits,
             "last_frame": last,
         }));
         return Ok(ExitCode::SUCCESS);
@@ -107,6 +113,9 @@ pub fn run(args: &BenchArgs, scene_args: &SceneArgs) -> anyhow::Result<ExitCode>
         "first picture {first_picture_ms:.0} ms after the start; until then {}",
         memory(session, peak_resident),
     ));
+    if let Some(edits) = edits {
+        output::print(&edits.words());
+    }
     Ok(ExitCode::SUCCESS)
 }
 

@@ -312,8 +312,8 @@ fn peers(report: &Report) -> Markup {
                 "128³ bytes into 512 × 512 pixels. In each round a renderer draws its frames in a process of its own, then volgraph draws the same \
                  views, by the fastest of its methods that is accurate enough: 1 for volume rendering, 0.6 for projections. × volgraph: the median \
                  ratio of the medians of rounds. Errors are in 8-bit steps over core pixels, against the float64 reference, of pictures \
-                 rounded to 8 bits, which alone makes about 0.29. No error is told of isosurfaces, which each renderer lights by its own model, and of renderers that draw the box \
-                 between voxel centres, which is another picture at its faces."
+                 rounded to 8 bits, which alone makes about 0.29; of VTK, which draws the box between voxel centres, against the reference of that box. No error is \
+                 told of isosurfaces, which each renderer lights by its own model."
             }
             div class="wide" { table {
                 tr { th { "volume" } th { "renderer, mode, step" } th class="n" { "ms" } th class="n" { "error" }

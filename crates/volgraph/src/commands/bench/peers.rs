@@ -2,62 +2,48 @@
 
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::sync::Arc;
 use std::time::Instant;
 
 use volgraph::bench::{
-    BenchStand, Entry, PEER_JOBS, PEER_VOLUMES, PeerJob, PeerRound, PeerRow, PeerWork, Rotation,
-    peer_times,
+    CHART_JOBS, PEER_JOBS, PEER_VOLUMES, PeerJob, PeerRound, PeerRow, PeerWork, peer_times,
 };
-use volgraph::methods::{Frames, Yardstick};
-use volgraph::truth::plan_without_device;
-use volgraph::{
-    Finding, Findings, Overrides, ParamOverride, Picture, Scene, Session, SessionOptions,
-    TruthOptions, registry,
-};
-use volgraph_measure::timing::Summary;
+use volgraph::methods::Yardstick;
+use volgraph::{Finding, Findings, Picture, Place};
 use volgraph_picture::srgb::srgb_from_linear;
 
 use super::Bench;
+use super::peer_methods::{FRAMES, Method, Truths, fastest, methods, take_turn};
 use super::report::Writer;
-use crate::commands::reference::Rows;
 use crate::output;
 
-/// The harness's width and height.
-const SIZE: [u32; 2] = [512, 512];
-/// Frames of each renderer in a round.
-const FRAMES: u32 = 3;
-/// Far below the errors that are told.
-const TOLERANCE: f64 = 1e-4;
-
 pub fn run(bench: &Bench<'_>, folder: &Path, writer: &mut Writer) -> Result<(), Findings> {
-    let jobs_of = |work: PeerWork, volume: &str| -> Vec<&PeerJob> {
-        let jobs = PEER_JOBS.iter().filter(|job| job.work == work);
-        jobs.filter(|job| bench.args.is_wanted(&format!("{}/{volume}", job.name())))
-            .collect()
-    };
     let pictures = tempfile::tempdir().map_err(|error| failed(&error.to_string()))?;
+    check_filters(bench)?;
     for (volume, field) in PEER_VOLUMES {
         for work in PeerWork::ALL {
-            let jobs = jobs_of(work, volume);
+            let jobs = jobs_of(bench, work, volume);
             if jobs.is_empty() {
                 continue;
             }
-            let scene = scene(bench, field, work, &[])?;
-            let truth = work
-                .most_error()
-                .map(|_| truth(bench, &scene))
-                .transpose()?;
-            let mut method = method(bench, field, work, truth.as_ref())?;
-            for job in jobs {
-                let png = pictures.path().join("peer.png");
+            let truths = Truths::of(bench, field, work, &jobs)?;
+            let mut methods = methods(bench, field, work, truths.whole.as_ref())?;
+            let best = fastest(&methods, work)
+                .ok_or_else(|| failed("none of volgraph's methods is accurate enough"))?;
+            if bench.args.chart.is_none() {
+                methods = vec![methods.swap_remove(best)];
+            }
+            let best = if methods.len() == 1 { 0 } else { best };
+            for (number, job) in jobs.into_iter().enumerate() {
+                // One for each: what a worker leaves out is not another's.
+                let name = format!("{}-{volume}.png", job.name().replace('/', "-"));
+                let png = pictures.path().join(name);
                 let row = row(
                     bench,
                     folder,
                     job,
                     volume,
-                    &mut method,
-                    truth.as_ref(),
+                    &mut methods[best],
+                    &truths,
                     &png,
                 )?;
                 bench.bars.clear();
@@ -65,116 +51,58 @@ pub fn run(bench: &Bench<'_>, folder: &Path, writer: &mut Writer) -> Result<(), 
                     output::print(&words(&row));
                 }
                 writer.report.peers.push(row);
+                // volgraph's frames are spread over the same time as those of the others.
+                if bench.args.chart.is_some() && number % 2 == 0 {
+                    bench.bars.count("timing volgraph's methods", 0, 1);
+                    take_turn(&mut methods, number % 4 == 0)?;
+                }
                 writer.write()?;
             }
+            if bench.args.chart.is_some() {
+                let points = methods.iter().map(|method| method.point(volume, work));
+                let points = points.collect::<Result<Vec<_>, _>>()?;
+                writer.report.points.extend(points);
+                writer.write()?;
+            }
+        }
+    }
+    if let Some(file) = &bench.args.chart {
+        bench.bars.clear();
+        super::peer_chart::write(&writer.report, file)?;
+        if !bench.args.json {
+            output::print(&format!("{}", file.display()));
         }
     }
     Ok(())
 }
 
-/// The harness's scene.
-fn scene(bench: &Bench<'_>, field: &str, work: PeerWork, more: &[&str]) -> Result<Scene, Findings> {
-    let field = format!("volume.field={field}");
-    let sets = std::iter::once(field.as_str())
-        .chain(work.sets().iter().copied())
-        .chain(more.iter().copied());
-    let params = sets.map(|set| ParamOverride::parse(set).map_err(|why| failed(&why)));
-    let overrides = Overrides {
-        params: params.collect::<Result<_, _>>()?,
-        ..Overrides::default()
+/// Refuses filters that leave no renderer.
+fn check_filters(bench: &Bench<'_>) -> Result<(), Finding> {
+    let all = || {
+        let each = PEER_VOLUMES.iter();
+        each.flat_map(|(volume, _)| PeerWork::ALL.map(|work| (work, *volume)))
     };
-    let shaders = bench.args.shaders.folders();
-    Scene::load(
-        Path::new("embedded:/graphs/comparison.ron"),
-        &overrides,
-        &shaders,
-        registry(),
-        &bench.bars,
-    )
-}
-
-fn truth(bench: &Bench<'_>, scene: &Scene) -> Result<Yardstick, Findings> {
-    let plan = plan_without_device(scene, SIZE)?;
-    let options = TruthOptions {
-        tolerance: TOLERANCE,
-        ..TruthOptions::default()
-    };
-    let truth = Yardstick::reference(&plan, &plan.view(), &options, &Rows(&bench.bars));
-    bench.bars.clear();
-    truth
-}
-
-/// What volgraph draws with.
-struct Method {
-    words: String,
-    error: Option<f64>,
-    entry: Entry,
-    stand: BenchStand,
-}
-
-/// The fastest of the candidates that is accurate enough.
-fn method(
-    bench: &Bench<'_>,
-    field: &str,
-    work: PeerWork,
-    truth: Option<&Yardstick>,
-) -> Result<Method, Findings> {
-    let session = SessionOptions {
-        size: SIZE,
-        ..bench.options.clone()
-    };
-    // The harness turns by one degree from frame to frame.
-    let rotation = Rotation {
-        turn_degrees: 1.0,
-        degrees: (1..=FRAMES).map(f64::from).collect(),
-    };
-    let mut best: Option<(f64, Method)> = None;
-    for sets in work.candidates() {
-        let scene = scene(bench, field, work, sets)?;
-        let error = match truth {
-            Some(truth) => {
-                let mut session = Session::start(scene.clone(), Arc::clone(&bench.gpu), &session)?;
-                let (picture, _) = session.render_checked()?;
-                Some(truth.errors(&picture)?.core_rmse_8bit * 255.0)
-            }
-            None => None,
-        };
-        if error
-            .zip(work.most_error())
-            .is_some_and(|(error, most)| error > most)
-        {
-            continue;
-        }
-        let mut stand = BenchStand::new(rotation.clone());
-        let mut entry = Entry::new(scene, &bench.gpu, &session)?;
-        let times = (0..=FRAMES).map(|number| stand.frame(&mut entry, number));
-        let times = times.collect::<Result<Vec<_>, _>>()?;
-        let median = Summary::of(&times[1..])
-            .map_err(|error| failed(&error.to_string()))?
-            .median;
-        stand.start();
-        if best.as_ref().is_none_or(|(fastest, _)| median < *fastest) {
-            let words = sets
-                .iter()
-                .map(|set| {
-                    set.trim_start_matches("image.")
-                        .trim_start_matches("slots.")
-                })
-                .collect::<Vec<_>>()
-                .join(" ");
-            best = Some((
-                median,
-                Method {
-                    words,
-                    error,
-                    entry,
-                    stand,
-                },
-            ));
-        }
+    if all().any(|(work, volume)| !jobs_of(bench, work, volume).is_empty()) {
+        return Ok(());
     }
-    let best = best.ok_or_else(|| failed("none of volgraph's methods is accurate enough"))?;
-    Ok(best.1)
+    let jobs = PEER_JOBS.iter().chain(&CHART_JOBS);
+    let names: Vec<String> = jobs
+        .flat_map(|job| PEER_VOLUMES.map(|(volume, _)| format!("`{}/{volume}`", job.name())))
+        .collect();
+    Err(failed("--filter leaves none")
+        .at(Place::whole_file("--filter"))
+        .help(format!("write a part of one of {}", names.join(", "))))
+}
+
+/// The jobs that are asked for, by renderer.
+fn jobs_of(bench: &Bench<'_>, work: PeerWork, volume: &str) -> Vec<&'static PeerJob> {
+    // Isosurfaces have no errors: a chart has nothing to show of them.
+    let is_charted = bench.args.chart.is_some();
+    let more = is_charted.then_some(&CHART_JOBS).into_iter().flatten();
+    let jobs = PEER_JOBS.iter().chain(more);
+    let jobs = jobs.filter(|job| job.work == work && (!is_charted || work.most_error().is_some()));
+    jobs.filter(|job| bench.args.is_wanted(&format!("{}/{volume}", job.name())))
+        .collect()
 }
 
 fn row(
@@ -183,7 +111,7 @@ fn row(
     job: &PeerJob,
     volume: &str,
     method: &mut Method,
-    truth: Option<&Yardstick>,
+    truths: &Truths,
     png: &Path,
 ) -> Result<PeerRow, Findings> {
     let mut row = PeerRow {
@@ -216,7 +144,7 @@ fn row(
                 return Ok(row);
             }
         };
-        let ours = (0..FRAMES).map(|number| method.stand.frame(&mut method.entry, number));
+        let ours = (0..FRAMES).map(|_| method.frame());
         measured.push(PeerRound {
             peer_ms: theirs,
             own_ms: ours.collect::<Result<Vec<_>, _>>()?,
@@ -226,8 +154,7 @@ fn row(
         }
     }
     row.take(&measured);
-    // Of the box between voxel centres there is no truth here.
-    if let Some(truth) = truth.filter(|_| !job.is_between_centres()) {
+    if let Some(truth) = truths.of_job(job) {
         row.error = error_of(png, truth);
     }
     Ok(row)
@@ -274,7 +201,7 @@ fn error_of(png: &Path, truth: &Yardstick) -> Option<f64> {
     Some(truth.errors(&picture).ok()?.core_rmse * 255.0)
 }
 
-fn failed(why: &str) -> Finding {
+pub fn failed(why: &str) -> Finding {
     Finding::error(
         "peers",
         format!("other renderers cannot be compared with: {why}"),

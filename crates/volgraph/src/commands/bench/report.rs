@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
-use volgraph::bench::{Growth, PeerRow, Table};
+use volgraph::bench::{Growth, PeerPoint, PeerRow, Table};
 use volgraph::{AdapterSummary, Finding, Findings};
 
 use super::page;
@@ -36,6 +36,8 @@ pub struct Report {
     pub growth: Vec<Growth>,
     /// Other renderers beside volgraph.
     pub peers: Vec<PeerRow>,
+    /// volgraph's methods beside them, for the chart.
+    pub points: Vec<PeerPoint>,
     /// Starts of the program.
     pub start_up: Vec<StartUp>,
 }
@@ -70,6 +72,7 @@ impl Report {
             tables: Vec::new(),
             growth: Vec::new(),
             peers: Vec::new(),
+            points: Vec::new(),
             start_up: Vec::new(),
         }
     }

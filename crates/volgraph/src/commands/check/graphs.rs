@@ -143,7 +143,5 @@ fn stand_in(name: &str) -> Option<Arc<dyn Source>> {
     let grid = Grid::axis_aligned([2; 3], DVec3::ONE, DVec3::ZERO);
     let voxels: Vec<u8> = vec![0, 36, 72, 108, 144, 180, 216, 255];
     let volume = Volume::new(name, grid, voxels.into()).ok()?;
-    Some(Arc::new(VolumeSource {
-        volume: Arc::new(volume),
-    }))
+    Some(Arc::new(VolumeSource::new(Arc::new(volume))))
 }
