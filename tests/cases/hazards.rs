@@ -151,6 +151,29 @@ fn a_loop_of_a_thousand_million_steps() {
     );
 }
 
+/// A software driver runs eight rays at once and ends the loops of all of them when one has taken too many turns: rays
+/// beside the volume, which only wait, are cut in the loop that all are in. In a picture this small they share a group.
+#[test]
+fn rays_that_wait_beside_an_endless_loop_do_not_blame_the_walk() {
+    let before = "while x > -1.0 { x = abs(x * 1.0001); }";
+    for backend in adapters() {
+        for raycast in ["fragment", "compute"] {
+            for size in [[8, 8], [16, 16], [24, 8]] {
+                let stage = stage(raycast).with(FILE, technique(before, GOOD.1));
+                let mut session = stage.open("graph.ron", &[], &backend, size).unwrap();
+                let findings = session.render().unwrap_err();
+                for found in findings.sorted() {
+                    let place = found.place.as_ref().unwrap();
+                    assert!(
+                        place.file.ends_with(FILE),
+                        "{backend} {raycast}: {findings}"
+                    );
+                }
+            }
+        }
+    }
+}
+
 /// 200 · 400 turns in each segment: more than llvmpipe lets a shader take, which must not go unnoticed.
 #[test]
 fn nested_loops_that_a_driver_cuts_are_told_or_finished() {

@@ -229,16 +229,22 @@ impl Guarded {
     pub fn findings(&self, counters: &[u32]) -> Findings {
         // The first counter is not a site's: it says that a loop was ended.
         let counts = counters.iter().skip(1);
-        let sites = self.sites.iter().zip(counts);
-        sites
-            .filter(|(_, count)| **count > 0)
+        let sites = || self.sites.iter().zip(counts.clone());
+        let loops = sites().filter(|(site, _)| site.hazard == Hazard::Loop);
+        let most_steps = loops.map(|(_, steps)| *steps).max().unwrap_or(0);
+        sites()
+            .filter(|(site, count)| match site.hazard {
+                // Invocations that were ended with others took few steps, and are not to blame.
+                Hazard::Loop => **count > most_steps / 2,
+                Hazard::Load { .. } => **count > 0,
+            })
             .map(|(site, count)| site.finding(*count, self.max_steps))
             .collect()
     }
 }
 
 impl GuardSite {
-    /// What to say where `count` invocations went wrong here.
+    /// What to say of a loop that took at most `count` steps, or of a load that `count` invocations did.
     #[must_use]
     pub fn finding(&self, count: u32, max_steps: u32) -> Finding {
         let who = match count {

@@ -52,7 +52,7 @@ pub(super) struct Shared<'a> {
     pub sites: Vec<GuardSite>,
     pub u32_type: Handle<Type>,
     linked: &'a Linked,
-    max_steps: u32,
+    pub max_steps: u32,
     binding: u32,
     vars: HashMap<Var, Handle<GlobalVariable>>,
 }

@@ -116,7 +116,9 @@ fn counters_become_findings() {
     let help = stray.help.as_deref().unwrap();
     assert!(help.contains("textureDimensions(grey)"), "{stray}");
 
-    let last = guarded.findings(&[1, 0, 0, 2]);
+    // A driver ended the first loop together with the last, which took the steps.
+    let last = guarded.findings(&[1, 3, 0, 900]);
+    assert_eq!(last.sorted().len(), 1, "{last}");
     assert_eq!(
         last.sorted()[0].place,
         Some(files.place("shaders/a.wgsl", "while"))
