@@ -30,9 +30,9 @@
 //! # let folder = tempfile::tempdir()?;
 //! # let folder = folder.path();
 //! # std::fs::write(folder.join("fog.ron"), r#"(test: 1, scene: "fog", size: (16, 16), expect: [finite])"#)?;
-//! volgraph::case::assert_folder(folder);
+//! volgraph_engine::case::assert_folder(folder);
 //!
-//! use volgraph::case::{Case, CaseOptions};
+//! use volgraph_engine::case::{Case, CaseOptions};
 //! let outcomes = Case::load(&folder.join("fog.ron"))?.run(&CaseOptions::default())?;
 //! assert!(outcomes.iter().all(|outcome| outcome.passed()));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
