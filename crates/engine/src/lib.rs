@@ -41,7 +41,7 @@ pub use beside::open_beside;
 pub use case::{Case, CaseOptions};
 pub use dependencies::Dependencies;
 pub use embedded::{EMBEDDED_GRAPHS, ReadyGraph, ready_graphs};
-pub use overrides::{Overrides, ParamOverride};
+pub use overrides::{LOOK, Overrides, ParamOverride};
 pub use recorded::Recorded;
 pub use scene::{NoProgress, Scene, SourceProgress};
 pub use session::{
@@ -50,7 +50,9 @@ pub use session::{
 };
 pub use shaders::{EMBEDDED_SHADERS, ShaderFolders};
 pub use truth::{Truth, TruthOptions};
-pub use volgraph_gpu::{AdapterChoice, AdapterSummary, FrameReport, list_adapters};
+pub use volgraph_gpu::{
+    AdapterChoice, AdapterSummary, FrameReport, Gpu, Shown, TexelValues, Texels, list_adapters,
+};
 pub use volgraph_graph::{Camera, CameraDesc, GraphDesc, Limits, Plan, Registry, View};
 pub use volgraph_nodes::registry;
 pub use volgraph_picture::Picture;

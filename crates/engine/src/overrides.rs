@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::{Serialize, Serializer};
-use volgraph_graph::{CameraDesc, GraphDesc, ParamDesc, SourceDesc};
+use volgraph_graph::{CameraDesc, EdgeDesc, GraphDesc, ParamDesc, SourceDesc};
 use volgraph_report::{Finding, Findings, Place, did_you_mean};
 use volgraph_shader::ParamValue;
 
@@ -22,7 +22,13 @@ pub struct Overrides {
     /// `--data FOLDER`: where files of sources are looked for that do not lie beside the graph.
     #[serde(serialize_with = "shown")]
     pub data: Vec<PathBuf>,
+    /// `node.port`: what the output [`LOOK`] shows beside the graph's own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub look: Option<String>,
 }
+
+/// The output that [`Overrides::look`] adds.
+pub const LOOK: &str = "look";
 
 /// Paths as people read them: those that are no text at all as near as it goes.
 fn shown<S: Serializer>(paths: &[PathBuf], serializer: S) -> Result<S::Ok, S::Error> {
@@ -178,6 +184,15 @@ impl Overrides {
         }
         if let Some(camera) = &self.camera {
             desc.camera = Some(camera.clone());
+        }
+        if let Some(look) = &self.look {
+            let place = Place::whole_file(format!("--look {look}"));
+            let edge = EdgeDesc {
+                from: look.clone(),
+                name_place: place.clone(),
+                place,
+            };
+            desc.outputs.insert(LOOK.to_owned(), edge);
         }
         findings.into_result(())
     }

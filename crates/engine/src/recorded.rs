@@ -176,5 +176,6 @@ fn overrides(value: &Value) -> Option<Overrides> {
         // The camera is told exactly elsewhere.
         camera: None,
         data: paths(value.get("data")?)?,
+        look: None,
     })
 }

@@ -14,7 +14,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use volgraph_gpu::{AdapterChoice, AdapterSummary, FrameReport, Gpu, Installation, Runner};
+use volgraph_gpu::{
+    AdapterChoice, AdapterSummary, FrameReport, Gpu, Installation, Runner, Shown, Texels,
+};
 use volgraph_graph::demand::ShaderLibrary;
 use volgraph_graph::{Camera, CameraDesc, Limits, Plan, Registry, View};
 use volgraph_picture::Picture;
@@ -189,6 +191,20 @@ impl Session {
         registry: Registry,
         progress: &dyn SourceProgress,
     ) -> Result<Self, Unopened> {
+        Self::begin_on(graph, options, registry, progress, None)
+    }
+
+    /// The same on a device that is open already, where there is one.
+    ///
+    /// # Errors
+    /// As [`Self::begin`].
+    pub fn begin_on(
+        graph: &Path,
+        options: &SessionOptions,
+        registry: Registry,
+        progress: &dyn SourceProgress,
+        gpu: Option<Arc<Gpu>>,
+    ) -> Result<Self, Unopened> {
         let mut dependencies = Dependencies::default();
         let loaded = Scene::load_noting(
             graph,
@@ -201,7 +217,10 @@ impl Session {
         let started = loaded.and_then(|scene| {
             // Where there is no device, what the sources were read from is all that is known.
             dependencies = Dependencies::of(&scene, &SnapshotFiles::new(Arc::new(DiskFiles)));
-            let gpu = Arc::new(Gpu::open(&options.adapter)?);
+            let gpu = match gpu {
+                Some(gpu) => gpu,
+                None => Arc::new(Gpu::open(&options.adapter)?),
+            };
             Self::start_noting(scene, gpu, options, &mut dependencies)
         });
         started.map_err(|findings| Unopened {
@@ -276,6 +295,18 @@ impl Session {
     #[must_use]
     pub fn plan(&self) -> &Plan {
         self.state.installation.plan()
+    }
+
+    /// The plan that runs, to keep.
+    #[must_use]
+    pub fn shared_plan(&self) -> Arc<Plan> {
+        Arc::clone(self.state.installation.plan())
+    }
+
+    /// The device that it runs on now.
+    #[must_use]
+    pub fn gpu(&self) -> &Arc<Gpu> {
+        self.runner.gpu()
     }
 
     /// What was chosen for the graph's budget, where it states one.
@@ -436,6 +467,22 @@ impl Session {
         state.installation = installation;
         self.remade = Some(reason);
         Ok(())
+    }
+
+    /// What a window shows of an output of the last frame, on the session's own device.
+    ///
+    /// # Errors
+    /// Where there is no such output, or it is no colour, and what the device refused.
+    pub fn display(&mut self, output: &str) -> Result<Shown, Findings> {
+        Ok(self.runner.display(&self.state.installation, output)?)
+    }
+
+    /// Reads the texels of any output of the last frame, in 2D or 3D.
+    ///
+    /// # Errors
+    /// Where there is no such output, and what the device refused.
+    pub fn texels(&self, output: &str) -> Result<Texels, Findings> {
+        Ok(self.runner.read(&self.state.installation, output)?)
     }
 
     /// Reads any 2D colour output of the last frame.

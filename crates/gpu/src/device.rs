@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use naga::valid::Capabilities;
 use volgraph_graph::{Limits, ResourceKind};
-use wgpu::{Device, DeviceDescriptor, Features, Instance, Queue};
+use wgpu::{Adapter, Device, DeviceDescriptor, Features, Instance, Queue};
 
 use crate::adapter::{AdapterChoice, AdapterSummary, choose};
 use crate::error::GpuError;
@@ -17,8 +17,22 @@ pub struct Gpu {
     pub(crate) queue: Queue,
     summary: AdapterSummary,
     instance: Instance,
+    handle: Adapter,
     /// What the device said outside of any error scope, and whether it is lost.
     faults: Arc<Faults>,
+}
+
+/// wgpu's own handles of a device, for a window that shows what is drawn on it without a copy over the host.
+#[derive(Clone, Debug)]
+pub struct SharedDevice {
+    /// What the adapter was found in.
+    pub instance: Instance,
+    /// The adapter.
+    pub adapter: Adapter,
+    /// The device.
+    pub device: Device,
+    /// Its queue.
+    pub queue: Queue,
 }
 
 #[derive(Debug, Default)]
@@ -70,6 +84,7 @@ impl Gpu {
             queue,
             summary,
             instance,
+            handle: adapter,
             faults,
         })
     }
@@ -78,6 +93,17 @@ impl Gpu {
     #[must_use]
     pub fn adapter(&self) -> &AdapterSummary {
         &self.summary
+    }
+
+    /// The device for a window to draw with.
+    #[must_use]
+    pub fn shared(&self) -> SharedDevice {
+        SharedDevice {
+            instance: self.instance.clone(),
+            adapter: self.handle.clone(),
+            device: self.device.clone(),
+            queue: self.queue.clone(),
+        }
     }
 
     /// How many objects of each kind are alive on the device, as wgpu counts them; empty where it does not.

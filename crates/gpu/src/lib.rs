@@ -11,6 +11,7 @@
 mod adapter;
 mod bindings;
 mod device;
+mod display;
 mod error;
 mod guard;
 mod kept;
@@ -21,7 +22,8 @@ mod runner;
 mod timing;
 
 pub use adapter::{AdapterChoice, AdapterSummary, list_adapters};
-pub use device::Gpu;
+pub use device::{Gpu, SharedDevice};
+pub use display::Shown;
 pub use error::GpuError;
 pub use kept::Keep;
 pub use readback::{TexelValues, Texels};

@@ -23,6 +23,7 @@ use volgraph_graph::{Digest, NodeId, Plan, View};
 use wgpu::{AddressMode, FilterMode, Sampler, SamplerDescriptor};
 
 use crate::device::Gpu;
+use crate::display::{Display, Shown};
 use crate::error::GpuError;
 use crate::kept::{Keep, Kept};
 use crate::pipelines::Pipelines;
@@ -49,6 +50,7 @@ pub struct Runner {
     pipelines: Pipelines,
     samplers: Samplers,
     staging: Staging,
+    display: Option<Display>,
     kept: Kept,
     made: u64,
     reused: u64,
@@ -89,6 +91,7 @@ impl Runner {
             pipelines: Pipelines::default(),
             samplers,
             staging: Staging::default(),
+            display: None,
             kept: Kept::default(),
             made: 0,
             reused: 0,
@@ -179,6 +182,24 @@ impl Runner {
             has_chosen: false,
             faults,
         })
+    }
+
+    /// Turns the colours of an installation's last frame into what windows show, in a texture of this device.
+    ///
+    /// # Errors
+    /// [`GpuError::Output`] where the output is no picture, and what the device refused.
+    pub fn display(
+        &mut self,
+        installation: &Installation,
+        output: &str,
+    ) -> Result<Shown, GpuError> {
+        let held = installation.held_output(output)?;
+        let display = match self.display.take() {
+            Some(display) => display,
+            None => Display::new(&self.gpu)?,
+        };
+        let display = self.display.insert(display);
+        display.show(&self.gpu, held, output)
     }
 
     /// Lets go of every pipeline and shader module that this installation does not use in this view and in its own.

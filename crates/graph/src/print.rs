@@ -1,6 +1,6 @@
 //! A plan as text, JSON and a DOT drawing.
 
-use std::fmt::Write;
+use std::fmt::{self, Write};
 
 use serde_json::{Value, json};
 
@@ -94,9 +94,7 @@ impl Plan {
                 writeln!(
                     out,
                     "   out   {} -> allocation {}: {}",
-                    output.port,
-                    output.allocation,
-                    describe(&output.resource)
+                    output.port, output.allocation, output.resource
                 )?;
             }
             if !node.follows_camera {
@@ -221,24 +219,23 @@ impl Plan {
     }
 }
 
-fn describe(resource: &ResourceKind) -> String {
-    match resource {
-        ResourceKind::Texture {
-            dimensions,
-            extent,
-            format,
-        } => {
-            let extent: Vec<String> = extent
-                .iter()
-                .take(usize::from(*dimensions))
-                .map(u32::to_string)
-                .collect();
-            format!(
-                "texture {} {format:?}, {} bytes",
-                extent.join("x"),
-                resource.bytes()
-            )
+impl fmt::Display for ResourceKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Texture {
+                dimensions,
+                extent,
+                format,
+            } => {
+                let extent: Vec<String> = extent
+                    .iter()
+                    .take(usize::from(*dimensions))
+                    .map(u32::to_string)
+                    .collect();
+                let extent = extent.join("x");
+                write!(f, "texture {extent} {format:?}, {} bytes", self.bytes())
+            }
+            Self::Buffer { bytes } => write!(f, "buffer, {bytes} bytes"),
         }
-        ResourceKind::Buffer { bytes } => format!("buffer, {bytes} bytes"),
     }
 }

@@ -15,6 +15,7 @@
 
 mod color;
 mod color_map;
+mod control_points;
 mod curve;
 pub mod file;
 mod material;
@@ -23,6 +24,7 @@ mod preintegrated;
 mod transfer;
 
 pub use color_map::color_map_names;
+pub use control_points::ControlPoint;
 pub use material::Material;
 pub use post::PostTable;
 pub use preintegrated::{

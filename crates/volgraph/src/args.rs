@@ -92,6 +92,9 @@ pub enum Command {
     /// Shaders with all that they import, the graph, transfer functions, images and volumes are watched. A change that
     /// is refused leaves the picture as it was; the diagnostic names file, line and column. Ctrl-C ends.
     Watch(WatchArgs),
+    /// Open a graph in a live window: the camera under the mouse, parameters and transfer function under edit, shaders
+    /// reloaded as they change on disk.
+    View(ViewArgs),
 }
 
 /// What stands between folders in one word, as in the system's other lists of them.
@@ -174,6 +177,7 @@ impl SceneArgs {
             volumes: self.volume.clone(),
             camera: self.camera.clone(),
             data: self.data.data.clone(),
+            look: None,
         }
     }
 
@@ -356,6 +360,18 @@ pub struct WatchArgs {
     /// Print one JSON object a line.
     #[arg(long)]
     pub json: bool,
+}
+
+/// `volgraph view`.
+#[derive(ClapArgs, Debug)]
+pub struct ViewArgs {
+    /// The graph and its changes.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Most milliseconds of a frame while the camera moves: it is drawn as coarsely as that needs, and refined when it
+    /// stands still. The window remembers the last value.
+    #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub budget: Option<u32>,
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {

@@ -23,6 +23,7 @@ mod software;
 mod stress;
 mod test;
 mod verify;
+mod view;
 mod watch;
 mod write;
 
@@ -60,6 +61,7 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Bench(args) => bench::run(&args),
         Command::Chart(args) => chart::run(&args),
         Command::Watch(args) => watch::run(&args),
+        Command::View(args) => view::run(&args),
     }
 }
 

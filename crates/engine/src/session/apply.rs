@@ -186,6 +186,9 @@ impl Session {
             _ => &[],
         };
         set(&mut wanted.params, sets);
+        if let Change::Look(look) = change {
+            wanted.look.clone_from(look);
+        }
         let old = &self.state;
         let snapshot = match change {
             Change::Files(_) => SnapshotFiles::new(Arc::new(DiskFiles)),
@@ -199,7 +202,7 @@ impl Session {
                 noted.note(path, text.as_ref().ok(), changed, data, &snapshot);
                 text.and_then(|text| old.scene.reload(text, changed, &wanted, progress, noted))
             }
-            Change::Set(_) => old.scene.with_overrides(&wanted, progress),
+            Change::Set(_) | Change::Look(_) => old.scene.with_overrides(&wanted, progress),
             // The overrides that are set aside stay aside.
             _ => old.scene.with_overrides(&old.scene.overrides, progress),
         };

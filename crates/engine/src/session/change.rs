@@ -23,6 +23,8 @@ pub enum Change {
     Set(Vec<ParamOverride>),
     /// The camera moves; what stays open is fitted to the volumes.
     Camera(CameraDesc),
+    /// The output [`crate::LOOK`] shows another node's port (`node.port`), or there is none any more.
+    Look(Option<String>),
     /// The picture has another width and height in pixels.
     Size([u32; 2]),
 }

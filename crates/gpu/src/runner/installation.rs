@@ -109,6 +109,28 @@ impl Installation {
     }
 }
 
+impl Installation {
+    /// What the graph's output of that name lies in.
+    pub(super) fn held_output(&self, output: &str) -> Result<&Held, GpuError> {
+        let plan = &self.plan;
+        let no_output = |reason: String| GpuError::Output {
+            name: output.to_owned(),
+            reason,
+        };
+        let Some(link) = plan.graph.outputs.get(output) else {
+            let known: Vec<&str> = plan.graph.outputs.keys().map(String::as_str).collect();
+            return Err(no_output(format!(
+                "the graph has no such output; it has {}",
+                known.join(", ")
+            )));
+        };
+        match plan.allocation_of.get(&(link.node, link.port.clone())) {
+            Some(at) => Ok(&self.held[*at]),
+            None => Err(no_output("it is a source, not a picture".to_owned())),
+        }
+    }
+}
+
 impl Runner {
     /// Counts and bytes on the device of an installation, and counts of what was made since the start.
     #[must_use]
@@ -129,22 +151,8 @@ impl Runner {
     /// # Errors
     /// [`GpuError::Output`] where there is no such output, and what the device refused.
     pub fn read(&self, installation: &Installation, output: &str) -> Result<Texels, GpuError> {
-        let plan = &installation.plan;
-        let no_output = |reason: String| GpuError::Output {
-            name: output.to_owned(),
-            reason,
-        };
-        let Some(link) = plan.graph.outputs.get(output) else {
-            let known: Vec<&str> = plan.graph.outputs.keys().map(String::as_str).collect();
-            return Err(no_output(format!(
-                "the graph has no such output; it has {}",
-                known.join(", ")
-            )));
-        };
-        let Some(at) = plan.allocation_of.get(&(link.node, link.port.clone())) else {
-            return Err(no_output("it is a source, not a picture".to_owned()));
-        };
-        read_texture(&self.gpu, &self.staging, &installation.held[*at], output)
+        let held = installation.held_output(output)?;
+        read_texture(&self.gpu, &self.staging, held, output)
     }
 }
 
