@@ -278,6 +278,21 @@ impl Session {
         self.state.installation.plan()
     }
 
+    /// What holds the last frame.
+    pub(crate) fn installation(&self) -> &Installation {
+        &self.state.installation
+    }
+
+    /// The device.
+    pub(crate) fn gpu(&self) -> &Arc<Gpu> {
+        self.runner.gpu()
+    }
+
+    /// How it was opened.
+    pub(crate) fn options(&self) -> &SessionOptions {
+        &self.options
+    }
+
     /// What was chosen for the graph's budget, where it states one.
     #[must_use]
     pub fn chosen(&self) -> Option<&Chosen> {

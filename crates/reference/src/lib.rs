@@ -35,7 +35,7 @@ mod volume_rendering;
 pub use background::Background;
 pub use clip::{Clip, Shape};
 pub use curve::Kernel;
-pub use field::Field;
+pub use field::{Field, interval};
 pub use gradient::Gradients;
 pub use labels::Labels;
 pub use look::{Lamp, Layer, Look, Place, Tone, Window};

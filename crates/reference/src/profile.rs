@@ -1,5 +1,7 @@
 //! What one ray meets, point by point: the scalar, what it is made of, and what the ray would show if it ended there.
 
+use serde::Serialize;
+
 use crate::curve::Curve;
 use crate::render::{ReferenceError, check, over, pixel, sight};
 use crate::scene::{Scene, Technique};
@@ -7,7 +9,7 @@ use crate::sight::{Part, Sight};
 use crate::volume_rendering::{Record, recorded_light};
 
 /// What one ray meets.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Profile {
     /// World distances from the ray's origin where it enters and leaves the volume's box.
     pub interval: [f64; 2],
@@ -22,7 +24,7 @@ pub struct Profile {
 }
 
 /// A point of a ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ProfilePoint {
     /// World distance from the ray's origin.
     pub distance: f64,

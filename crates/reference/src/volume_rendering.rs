@@ -100,7 +100,8 @@ impl<'s> Walk<'_, 's> {
         for stop in 1..=stops {
             let end = stop as f64 / stops as f64;
             while let Some(hit) = hits.next_if(|hit| hit.w <= end) {
-                if with_matter && hit.w > from && self.matter(part, curve, (from, hit.w), &mut lit) {
+                if with_matter && hit.w > from && self.matter(part, curve, (from, hit.w), &mut lit)
+                {
                     return true;
                 }
                 from = hit.w;
