@@ -32,6 +32,7 @@ use self::trace::{Trace, read};
 use crate::overrides::ParamOverride;
 use crate::scene::Scene;
 use crate::session::Session;
+pub use volgraph_reference::ProfilePoint;
 
 /// How a ray is studied.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -128,6 +128,8 @@ struct SoFar {
     now: ([f64; 3], f64),
     /// Of what is composited, at the stops to come.
     stops: std::vec::IntoIter<([f64; 3], f64)>,
+    /// The same behind the last of them, where nothing counts any more.
+    last: Option<([f64; 3], f64)>,
     best: Option<f64>,
     sum: f64,
     length: f64,
@@ -143,18 +145,24 @@ impl SoFar {
             } => Some((with_matter, Some(has_faces))),
             _ => None,
         };
-        let stops = composited.and_then(|(with_matter, surfaces)| {
+        let recorded = composited.map(|(with_matter, surfaces)| {
             let record = Record {
                 per_curve,
                 stops: Vec::new(),
             };
-            recorded_light(sight, tolerance, with_matter, surfaces, 1.0, Some(record)).1
+            recorded_light(sight, tolerance, with_matter, surfaces, 1.0, Some(record))
         });
+        let last = recorded.as_ref().map(|(walk, _)| {
+            let light = &walk.light;
+            (light.color, light.transmittance)
+        });
+        let stops = recorded.and_then(|(_, record)| record);
         Self {
             now: ([0.0; 3], 1.0),
             stops: stops
                 .map_or_else(Vec::new, |record| record.stops)
                 .into_iter(),
+            last,
             best: None,
             sum: 0.0,
             length: 0.0,
@@ -169,9 +177,8 @@ impl SoFar {
             ([r, g, b], 1.0 - a)
         };
         match &sight.scene.technique {
-            // Behind the last stop nothing counts.
             Technique::VolumeRendering | Technique::Surfaces { .. } => {
-                self.now = self.stops.next().unwrap_or(self.now);
+                self.now = self.stops.next().or(self.last).unwrap_or(self.now);
             }
             technique @ (Technique::Maximum | Technique::Minimum) => {
                 let is_largest = *technique == Technique::Maximum;
