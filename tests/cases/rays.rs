@@ -16,8 +16,8 @@ const PIXELS: [[u32; 2]; 10] = [
     [16, 20],
     [30, 16],
     [19, 27],
-    [33, 24],
-    [12, 30],
+    [26, 18],
+    [22, 24],
     [3, 2],
 ];
 
@@ -72,6 +72,8 @@ fn the_sum_over_a_ray_is_the_pixel_that_the_session_draws() {
     ];
     for backend in adapters() {
         for name in graphs {
+            // What is cut away is no part of the walk.
+            let is_cut = ["clip_planes.ron", "segments.ron"].contains(&name);
             let mut session = ready(name, &[], &backend);
             let (picture, _) = session.render().unwrap();
             let mut tracer = RayTracer::of(&session).unwrap();
@@ -98,7 +100,7 @@ fn the_sum_over_a_ray_is_the_pixel_that_the_session_draws() {
                 assert!(largest(over, drawn) < 1e-3, "{case}: {over:?} {drawn:?}");
                 assert!(largest(study.picture, study.over) < 1e-5, "{case}");
                 assert_eq!(study.untold, 0, "{case}");
-                if study.bends == 0 && study.interval.is_some() && !name.starts_with("clip") {
+                if study.bends == 0 && study.interval.is_some() && !is_cut {
                     assert_whole(&study, &case);
                 }
                 shown += usize::from(opacity > 0.01);

@@ -78,7 +78,7 @@ fn drawn(study: &RayStudy) -> Result<String, Box<dyn std::error::Error>> {
     Ok(svg)
 }
 
-/// A line through points, cut where a part of the ray is not visible.
+/// What the reference says, as one line.
 fn truth(study: &RayStudy, value: impl Fn(&volgraph::ray::ProfilePoint) -> f64) -> Vec<Line> {
     let points = study.reference.iter().flat_map(|it| &it.points);
     let line = points.map(|point| (point.distance, value(point)));
@@ -175,10 +175,11 @@ impl Panel {
         let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
         let room = 0.06 * (high - low).max(1e-9 * high.abs()).max(1e-12);
         let mut chart = ChartBuilder::on(area)
+            .margin_left(14)
             .margin_right(20)
             .margin_top(8)
             .x_label_area_size(22)
-            .y_label_area_size(LEFT)
+            .y_label_area_size(LEFT - 14)
             .build_cartesian_2d(near..far, low - room..high + room)?;
         let text = ("sans-serif", 12).into_font().color(&INK);
         chart

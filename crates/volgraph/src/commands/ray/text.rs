@@ -59,7 +59,8 @@ pub fn of(study: &RayStudy, with_all: bool) -> String {
 fn table(text: &mut String, study: &RayStudy, with_all: bool) {
     let count = |status: Status| {
         let of_it = study.segments.iter().filter(|it| it.status == status);
-        let length: f64 = of_it.clone().map(|it| it.end - it.start).sum();
+        let lengths = of_it.clone().map(|it| it.end - it.start);
+        let length = lengths.fold(0.0, |sum, length| sum + length);
         format!("{} {} ({length:.4} long)", of_it.count(), status.name())
     };
     let _ = writeln!(
