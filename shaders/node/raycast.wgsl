@@ -18,6 +18,7 @@
 #import slot "samples_layer"
 #import slot "label_layer"
 #import slot "error_layer"
+#import slot "trace_layer"
 
 @group(0) @binding(3) var color_out: texture_storage_2d<rgba32float, write>;
 
@@ -30,6 +31,7 @@ fn raycast_pixel(pixel: vec2f) -> Shown {
     var ray = whole;
     var state = technique_begin(ray);
     var error = error_layer_begin(ray, pixel);
+    trace_layer_begin(whole, pixel);
     var samples = 0u;
     var is_done = false;
     for (var walk = 0u; walk < heed_walks(); walk++) {
@@ -40,6 +42,7 @@ fn raycast_pixel(pixel: vec2f) -> Shown {
             if !parts_next(&parts, &ray) {
                 break;
             }
+            trace_layer_part(ray);
             let length = ray.far - ray.near;
             var front: Sample;
             var start = 0.0;
@@ -54,11 +57,13 @@ fn raycast_pixel(pixel: vec2f) -> Shown {
                 for (; looks < RAYCAST_MAX_SEGMENTS && !is_done && !is_heeded && ray.bends == parts.bends; ) {
                     let leap = leap_from(ray, index);
                     if looks == 0u || leap.index != index {
+                        let before = start;
                         index = leap.index;
                         start = 0.0;
                         if index > 0u {
                             start = traverse_segment_end(ray, index - 1u);
                         }
+                        trace_layer_leap(before, start);
                         if start < length {
                             front = sample_along(ray, start);
                             samples++;
@@ -82,8 +87,10 @@ fn raycast_pixel(pixel: vec2f) -> Shown {
                             if is_heeded {
                                 break;
                             }
+                            trace_layer_segment(state, ray, segment, false);
                         } else {
                             is_done = technique_segment(&state, &ray, segment);
+                            trace_layer_segment(state, ray, segment, is_done);
                             if is_done || ray.bends != parts.bends {
                                 break;
                             }
@@ -94,6 +101,7 @@ fn raycast_pixel(pixel: vec2f) -> Shown {
                     break;
                 }
                 is_done = technique_segment(&state, &ray, segment);
+                trace_layer_segment(state, ray, segment, is_done);
                 if is_done {
                     break;
                 }
@@ -118,6 +126,7 @@ fn raycast_write(shown: Shown, pixel: vec2i) {
     samples_layer(shown, pixel);
     label_layer(shown, pixel);
     error_layer(shown, pixel);
+    trace_layer(shown, pixel);
 }
 
 // What lies behind, for every pixel; rays then overwrite those that they start from.

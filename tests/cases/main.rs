@@ -28,6 +28,7 @@ mod plans;
 mod projections;
 mod quadratures;
 mod quality;
+mod rays;
 mod rebuilds;
 mod reference;
 mod reflections;

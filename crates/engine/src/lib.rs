@@ -28,6 +28,7 @@ pub mod metadata;
 pub mod methods;
 mod overrides;
 pub mod quality;
+pub mod ray;
 pub mod recorded;
 pub mod renderer;
 mod scene;
@@ -42,6 +43,7 @@ pub use case::{Case, CaseOptions};
 pub use dependencies::Dependencies;
 pub use embedded::{EMBEDDED_GRAPHS, ReadyGraph, ready_graphs};
 pub use overrides::{LOOK, Overrides, ParamOverride};
+pub use ray::{Probe, RayOptions, RayStudy, RayTracer};
 pub use recorded::Recorded;
 pub use scene::{NoProgress, Scene, SourceProgress};
 pub use session::{

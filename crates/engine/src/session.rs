@@ -309,6 +309,16 @@ impl Session {
         self.runner.gpu()
     }
 
+    /// What holds the last frame.
+    pub(crate) fn installation(&self) -> &Installation {
+        &self.state.installation
+    }
+
+    /// How it was opened.
+    pub(crate) fn options(&self) -> &SessionOptions {
+        &self.options
+    }
+
     /// What was chosen for the graph's budget, where it states one.
     #[must_use]
     pub fn chosen(&self) -> Option<&Chosen> {

@@ -274,6 +274,7 @@ fn dimension(ty: PortType) -> Option<TextureDim> {
         PortType::Color
         | PortType::Scalar2d
         | PortType::Vector2d
+        | PortType::Trace
         | PortType::Table2d
         | PortType::Pieces
         | PortType::ImageTexture

@@ -254,6 +254,7 @@ fn is_texture(ty: crate::PortType) -> bool {
         P::Color
             | P::Scalar2d
             | P::Vector2d
+            | P::Trace
             | P::Table1d
             | P::Table2d
             | P::Pieces

@@ -33,6 +33,8 @@ pub enum PortType {
     Scalar2d,
     /// A 2D texture of a vector of world space per pixel; the fourth is 1 where there is one.
     Vector2d,
+    /// A 2D texture of the walk along one ray, record by record.
+    Trace,
     /// Colour and extinction over the scalar, one row for each transfer function.
     Table1d,
     /// A 2D texture of segment colour and optical depth.
@@ -75,6 +77,7 @@ impl fmt::Display for PortType {
             Self::Color => "color",
             Self::Scalar2d => "scalar_2d",
             Self::Vector2d => "vector_2d",
+            Self::Trace => "trace",
             Self::Table1d => "table_1d",
             Self::Table2d => "table_2d",
             Self::Pieces => "pieces",

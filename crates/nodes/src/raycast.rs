@@ -16,7 +16,7 @@ use volgraph_shader::{ParamSpec, ParamValue, UniformValue};
 use volgraph_volume::Grid;
 use wgpu_types::TextureFormat;
 
-use self::ports::{INPUTS, LAYERS, OUTPUTS, SLOTS};
+use self::ports::{INPUTS, LAYERS, OUTPUTS, SLOTS, TRACE_SIZE};
 pub use self::tables::data_value;
 pub(crate) use self::tables::{TablePorts, table_range, transfer_uniform};
 use self::tables::{check_table_sizes, check_tables_of_labels};
@@ -233,14 +233,19 @@ impl NodeKind for Raycast {
 
     fn output(&self, port: &str, node: &NodeContext<'_>) -> Result<ResourceDesc, Finding> {
         let format = match port {
-            "color" | "position" | "normal" => TextureFormat::Rgba32Float,
+            "color" | "position" | "normal" | "trace" => TextureFormat::Rgba32Float,
             _ => TextureFormat::R32Float,
+        };
+        let [width, height] = TRACE_SIZE;
+        let size = match port {
+            "trace" => Size::Absolute([width, height, 1]),
+            _ => Size::ViewRelative(1.0),
         };
         check_table_sizes(node)?;
         check_tables_of_labels(node)?;
         Ok(ResourceDesc::Texture {
             dimensions: 2,
-            size: Size::ViewRelative(1.0),
+            size,
             format,
         })
     }

@@ -92,6 +92,54 @@ pub(crate) fn placed(node: &NodeContext<'_>) -> Result<Placed, Finding> {
     })
 }
 
+/// The label at a world position, by the node's `label_boundary`; `None` where the node tells no labels apart.
+///
+/// # Errors
+/// `missing-input`.
+pub fn label_at(node: &NodeContext<'_>, world: DVec3) -> Result<Option<u8>, Finding> {
+    if !has_labels(node) {
+        return Ok(None);
+    }
+    let labels = volume(node, "labels")?;
+    let Placed {
+        index_from_world,
+        low,
+        high,
+    } = placed(node)?;
+    let at = index_from_world.transform_point3(world);
+    if !(at.cmpge(low).all() && at.cmple(high).all()) {
+        return Ok(Some(0));
+    }
+    let last = DVec3::from_array(labels.grid().dims.map(|n| f64::from(n) - 1.0));
+    let label = |index: DVec3| {
+        let value = labels.voxel(index.clamp(DVec3::ZERO, last).as_uvec3().to_array());
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "labels are whole numbers of 0 to 255"
+        )]
+        let label = value.clamp(0.0, 255.0) as u8;
+        label
+    };
+    if node.text("label_boundary") == "blocky" {
+        return Ok(Some(label((at + 0.5).floor())));
+    }
+    // The label with the largest trilinear membership; of equal ones the least.
+    let cell = at.floor();
+    let share = at - cell;
+    let mut memberships = [0.0; LABELS];
+    for corner in 0..8_u32 {
+        let is_high = [0, 1, 2].map(|axis| corner >> axis & 1 != 0);
+        let step = DVec3::from_array(is_high.map(f64::from));
+        let weights = DVec3::select(step.cmpgt(DVec3::ZERO), share, 1.0 - share);
+        memberships[usize::from(label(cell + step))] += weights.element_product();
+    }
+    let best = (0..=u8::MAX)
+        .rev()
+        .max_by(|a, b| memberships[usize::from(*a)].total_cmp(&memberships[usize::from(*b)]));
+    Ok(best)
+}
+
 /// The members of the uniform `segmentation` (see `slot/labels/volume.wgsl`).
 ///
 /// # Errors

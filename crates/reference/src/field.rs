@@ -8,7 +8,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3, IVec3};
-use volgraph_volume::{ScalarType, Volume};
+use volgraph_volume::{Grid, ScalarType, Volume};
 
 use crate::curve::{Curve, Kernel, Line, along, corners, trilinear, trilinear_gradient};
 use crate::rays::Ray;
@@ -80,6 +80,19 @@ pub(crate) fn between_slabs(
         near = near.max(a.min(b));
         far = far.min(a.max(b));
     }
+    (near < far).then_some((near, far))
+}
+
+/// The distances, not behind the origin, between which a ray is in the box of a grid; `None` where it misses it.
+#[must_use]
+pub fn interval(grid: &Grid, ray: &Ray) -> Option<(f64, f64)> {
+    let index_from_world = grid.world_from_index.inverse();
+    let line = (
+        index_from_world.transform_point3(ray.origin),
+        index_from_world.transform_vector3(ray.direction),
+    );
+    let (near, far) = between_slabs(line, grid.box_index())?;
+    let near = near.max(0.0);
     (near < far).then_some((near, far))
 }
 

@@ -130,7 +130,7 @@ pub fn render_pixels(
     Ok(colors.collect())
 }
 
-fn check(tolerance: f64) -> Result<(), ReferenceError> {
+pub(crate) fn check(tolerance: f64) -> Result<(), ReferenceError> {
     if (1e-10..=1.0).contains(&tolerance) {
         Ok(())
     } else {
@@ -139,23 +139,29 @@ fn check(tolerance: f64) -> Result<(), ReferenceError> {
 }
 
 /// The colour of a pixel over the background.
-fn over(scene: &Scene, pixel: &Pixel, x: u32, y: u32) -> [f64; 4] {
+pub(crate) fn over(scene: &Scene, pixel: &Pixel, x: u32, y: u32) -> [f64; 4] {
     let behind = scene.background.at(&scene.rays, x, y);
     let open = 1.0 - pixel.color[3];
     std::array::from_fn(|i| pixel.color[i] + open * behind[i])
 }
 
-fn pixel(scene: &Scene, x: u32, y: u32, tolerance: f64) -> Pixel {
+/// The distances between which a pixel's ray is in the volume's box, and its parts. Their distances count from where the
+/// box begins: from an eye far away they would have no digits left.
+pub(crate) fn sight(scene: &Scene, x: u32, y: u32) -> Option<([f64; 2], Sight<'_>)> {
     let ray = scene.rays.ray(x, y);
-    let Some((near, far)) = scene.field.interval(&ray) else {
-        return Pixel::NOTHING;
-    };
-    // Distances count from where the box begins: from an eye far away they would have no digits left.
+    let (near, far) = scene.field.interval(&ray)?;
     let ray = Ray {
         origin: ray.at(near),
         ..ray
     };
     let sight = Sight::new(scene, ray, (0.0, far - near), near > 0.0);
+    Some(([near, far], sight))
+}
+
+pub(crate) fn pixel(scene: &Scene, x: u32, y: u32, tolerance: f64) -> Pixel {
+    let Some(([near, _], sight)) = sight(scene, x, y) else {
+        return Pixel::NOTHING;
+    };
     let Some(own) = scene.looks.first() else {
         return Pixel::NOTHING;
     };

@@ -18,6 +18,15 @@ pub(crate) struct Walk<'a, 's> {
     pub(crate) normal: DVec3,
     allowance: f64,
     least: f64,
+    /// What was met up to each stop, where somebody asks.
+    record: Option<Record>,
+}
+
+/// The colour and the transmittance at evenly spaced stops of each curve, for as long as anything counts.
+pub(crate) struct Record {
+    /// Stops of a curve, its end included.
+    pub(crate) per_curve: usize,
+    pub(crate) stops: Vec<([f64; 3], f64)>,
 }
 
 /// The light of a ray, to an absolute tolerance. `surfaces` says whether faces and isosurfaces are drawn; no component of
@@ -29,6 +38,18 @@ pub(crate) fn light<'a, 's>(
     surfaces: Option<bool>,
     behind: f64,
 ) -> Walk<'a, 's> {
+    recorded_light(sight, tolerance, with_matter, surfaces, behind, None).0
+}
+
+/// The same, and what was met up to the stops of a record.
+pub(crate) fn recorded_light<'a, 's>(
+    sight: &'a Sight<'s>,
+    tolerance: f64,
+    with_matter: bool,
+    surfaces: Option<bool>,
+    behind: f64,
+    record: Option<Record>,
+) -> (Walk<'a, 's>, Option<Record>) {
     let looks = sight.scene.looks.iter().map(Look::brightest);
     // The opacity is one of the components.
     let brightest = looks.fold(behind.max(1.0), f64::max);
@@ -43,6 +64,7 @@ pub(crate) fn light<'a, 's>(
         allowance: 0.5 * tolerance / lengths.sum::<f64>().max(f64::MIN_POSITIVE),
         // What comes behind so little light is below the tolerance.
         least: 0.5 * tolerance / brightest,
+        record,
     };
     // Shadows change what lamps show, all of them by the same share at most.
     let mut surfaces = surfaces.map(|has_faces| SurfaceWalk::new(has_faces, tolerance / brightest));
@@ -60,7 +82,8 @@ pub(crate) fn light<'a, 's>(
             break;
         }
     }
-    walk
+    let record = walk.record.take();
+    (walk, record)
 }
 
 impl<'s> Walk<'_, 's> {
@@ -71,28 +94,44 @@ impl<'s> Walk<'_, 's> {
     /// A curve and the surfaces that it meets; whether nothing behind counts any more.
     fn curve(&mut self, part: &Part, curve: &Curve, with_matter: bool, hits: &[Hit]) -> bool {
         let mut from = 0.0;
-        let ends = hits.iter().map(|hit| (hit.w, Some(hit)));
         let mut lit = None;
-        for (to, hit) in ends.chain([(1.0, None)]) {
-            if with_matter && to > from && self.matter(part, curve, (from, to), &mut lit) {
-                return true;
-            }
-            if let Some(hit) = hit {
-                let before = self.light.half;
-                let distance = curve.distance(to);
-                self.light.error +=
-                    self.light.transmittance * hit.opacity * self.light.brightest * hit.error;
-                self.light.surface(hit.color, hit.opacity, distance);
-                if before.is_none() && self.light.half.is_some() {
-                    self.normal = hit.normal;
+        let mut hits = hits.iter().peekable();
+        let stops = self.record.as_ref().map_or(1, |record| record.per_curve);
+        for stop in 1..=stops {
+            let end = stop as f64 / stops as f64;
+            while let Some(hit) = hits.next_if(|hit| hit.w <= end) {
+                if with_matter && hit.w > from && self.matter(part, curve, (from, hit.w), &mut lit)
+                {
+                    return true;
                 }
-                if self.is_done() {
+                from = hit.w;
+                if self.surface(curve, hit) {
                     return true;
                 }
             }
-            from = to;
+            if with_matter && end > from && self.matter(part, curve, (from, end), &mut lit) {
+                return true;
+            }
+            from = end;
+            if let Some(record) = &mut self.record {
+                let stop = (self.light.color, self.light.transmittance);
+                record.stops.push(stop);
+            }
         }
         false
+    }
+
+    /// A surface that a curve meets; whether nothing behind counts any more.
+    fn surface(&mut self, curve: &Curve, hit: &Hit) -> bool {
+        let before = self.light.half;
+        self.light.error +=
+            self.light.transmittance * hit.opacity * self.light.brightest * hit.error;
+        self.light
+            .surface(hit.color, hit.opacity, curve.distance(hit.w));
+        if before.is_none() && self.light.half.is_some() {
+            self.normal = hit.normal;
+        }
+        self.is_done()
     }
 
     /// What lies between two parameters of a curve.

@@ -5,6 +5,7 @@ mod authors;
 mod bench;
 mod chart;
 mod each;
+mod ray;
 mod verify;
 
 use std::path::PathBuf;
@@ -18,6 +19,7 @@ pub use authors::{GalleryArgs, GraphsArgs, NewArgs, NewSlot, TestArgs};
 pub use bench::BenchArgs;
 pub use chart::{ChartArgs, TruthChoice};
 pub use each::EachSceneArgs;
+pub use ray::RayArgs;
 pub use verify::{STOCK, VerifyArgs};
 
 /// Draws volumes with WGSL shaders that plug into a render graph, and says how wrong each picture is.
@@ -47,6 +49,12 @@ pub enum Command {
     ///
     /// Exit code 1 means that an order is below the declared one, or that the picture differs.
     Verify(VerifyArgs),
+    /// Say why a pixel has its value: the walk along its ray, segment by segment, and the float64 reference beside it.
+    ///
+    /// The walk is written down by the shader that draws the picture, whatever its technique. Segments are taken, skipped
+    /// (leaps over what cannot be seen) or ended (early ray termination). A probe tells what the volume is where the ray
+    /// hits, and where most of the pixel comes from.
+    Ray(RayArgs),
     /// Print what a graph comes to: nodes, bindings, sizes, memory, conventions.
     Plan(PlanArgs),
     /// Check shaders, graphs, transfer functions and test cases, without a GPU; folders are searched.

@@ -16,6 +16,7 @@ mod link;
 mod new;
 mod nodes;
 mod plan;
+mod ray;
 mod reference;
 mod render;
 mod shader_tree;
@@ -47,6 +48,7 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Advise(args) => advise::run(&args),
         Command::Stress(args) => stress::run(&args),
         Command::Verify(args) => verify::run(&args),
+        Command::Ray(args) => ray::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),

@@ -347,12 +347,20 @@ pub(super) const OUTPUTS: &[OutputPort] = &[
         ty: PortType::Scalar2d,
         doc: "Estimated integration error of the colour: the largest absolute one of its four linear premultiplied components.",
     },
+    OutputPort {
+        name: "trace",
+        ty: PortType::Trace,
+        doc: "The walk along the ray of the pixel `trace_pixel`, segment by segment: what `volgraph ray` prints.",
+    },
 ];
 
 /// The outputs beside the colour; each is written by a slot of its own, `<name>_layer`.
-pub(super) const LAYERS: [&str; 7] = [
-    "depth", "opacity", "position", "normal", "samples", "label", "error",
+pub(super) const LAYERS: [&str; 8] = [
+    "depth", "opacity", "position", "normal", "samples", "label", "error", "trace",
 ];
+
+/// Width and height of the output `trace` in texels (`TRACE_LAYER_WIDTH` in `slot/trace_layer/written.wgsl`).
+pub(super) const TRACE_SIZE: [u32; 2] = [1024, 192];
 
 pub(super) const SLOTS: &[SlotSpec] = &[
     SlotSpec {

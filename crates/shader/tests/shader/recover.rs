@@ -262,6 +262,7 @@ fn one_mistake_in_a_real_shader_is_one_finding() {
         ("samples_layer", "none"),
         ("label_layer", "none"),
         ("error_layer", "none"),
+        ("trace_layer", "none"),
         ("behind", "texture"),
         ("volume_filter", "loads"),
         ("volume_texel", "load"),

@@ -29,7 +29,7 @@ impl TruthArgs {
     }
 }
 
-fn parse_tolerance(text: &str) -> Result<f64, String> {
+pub(super) fn parse_tolerance(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(tolerance) if (1e-10..=1.0).contains(&tolerance) => Ok(tolerance),
         _ => Err("a tolerance is a number between 1e-10 and 1".to_owned()),

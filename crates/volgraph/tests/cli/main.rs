@@ -12,6 +12,7 @@ mod gallery;
 mod link;
 mod new;
 mod planted;
+mod ray;
 mod reference;
 mod stress;
 mod verify;
