@@ -13,6 +13,7 @@ mod link;
 mod new;
 mod planted;
 mod reference;
+mod set;
 mod stress;
 mod verify;
 mod watch;
