@@ -176,6 +176,18 @@ fn pick(volume: &Volume, path: &str) -> Alone {
         );
         return alone(path, None, slots, &params, why);
     }
+    let lit = r#""classify": "preintegrated_2d", "light": "phong", "gradient_method": "sobel""#;
+    let params = r#""step": 0.5, "ambient": 0.25, "diffuse": 0.8"#;
+    if min.abs().max(max.abs()) > 1e29 {
+        // Control points reach 1e30; these count 0 to 1 over the values that there are.
+        let reference = reference_length(volume);
+        let text = format!(
+            "// All values, however large.\n(\n    domain: range,\n    {reference},\n    color: map(name: \"inferno\"),\n    \
+             opacity: [(0.0, 0.0), (1.0, 0.5)],\n)\n"
+        );
+        let why = "its values go beyond 1e29: a ramp over all of them".to_owned();
+        return alone(path, Some(text), lit, params, why);
+    }
     if looks.are_labels() && max - min >= 2.0 {
         let why = format!(
             "it has whole numbers in patches, {:.0} % of neighbours equal: labels, each its own colour",
@@ -189,8 +201,6 @@ fn pick(volume: &Volume, path: &str) -> Alone {
             why,
         );
     }
-    let lit = r#""classify": "preintegrated_2d", "light": "phong", "gradient_method": "sobel""#;
-    let params = r#""step": 0.5, "ambient": 0.25, "diffuse": 0.8"#;
     if let Some(offset) = hounsfield_offset(volume)
         && let Ok(text) = preset("ct-bone").and_then(|preset| preset.text(volume))
     {
