@@ -123,7 +123,7 @@ struct Looks {
 impl Looks {
     fn are_labels(&self) -> bool {
         let few = self.distinct <= 32 && self.equal > 0.8;
-        self.is_whole && (few || (self.equal > 0.65 && self.near < 0.5))
+        self.is_whole && (few || (self.equal > 0.5 && self.near < 0.5))
     }
 }
 
@@ -238,7 +238,8 @@ fn labels(volume: &Volume) -> String {
     let inside = |p: f64| statistics.percentile(outside + (100.0 - outside) * p);
     let (from, to) = (inside(0.02), inside(0.98));
     let (from, to) = if to > from { (from, to) } else { (min, max) };
-    let least = min + 0.5;
+    // Beyond the last its colour holds: one stray label takes nothing from the others.
+    let (max, least) = (to, min + 0.5);
     format!(
         "// Labels: {min} is outside.\n(\n    domain: data(from: {min:?}, to: {max:?}),\n    color: map(name: \"turbo\", from: \
          {from:?}, to: {to:?}),\n    opacity: [({min:?}, 0.0), ({least:?}, 0.0), ({least:?}, 0.6), ({max:?}, 0.6)],\n)\n"
@@ -256,8 +257,12 @@ fn field(volume: &Volume) -> (String, String) {
     let statistics = volume.statistics();
     let (min, max) = statistics.range().unwrap_or((0.0, 1.0));
     let (low, high) = (statistics.percentile(1.0), statistics.percentile(99.0));
-    let is_around_zero =
-        low < 0.0 && high > 0.0 && (low + high).abs() < 0.5 * (high - low).max(f64::MIN_POSITIVE);
+    // A value that much of the grid has stands for what was not measured.
+    let is_filled = volume_share_of_min(volume) > 0.2;
+    let is_around_zero = !is_filled
+        && low < 0.0
+        && high > 0.0
+        && (low + high).abs() < 0.5 * (high - low).max(f64::MIN_POSITIVE);
     let title = "The values that few voxels have.";
     if is_around_zero {
         let end = min.abs().max(max.abs()).max(1e-29);
