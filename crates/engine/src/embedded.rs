@@ -17,6 +17,7 @@ use volgraph_nodes::source::segments;
 use volgraph_report::did_you_mean;
 use volgraph_shader::ParamValue;
 
+use crate::alone;
 use crate::shaders::EMBEDDED_SHADERS;
 
 /// volgraph's ready graphs, their transfer functions and images as they were when it was built.
@@ -25,7 +26,9 @@ pub static EMBEDDED_GRAPHS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../
 /// The folders of the ready graphs: those that need no file from outside, and those that draw scanned volumes.
 const FOLDERS: [&str; 2] = ["graphs", "graphs/scans"];
 
-/// The file that a user means by a graph's name: `quickstart` and `quickstart.ron` stand for `graphs/quickstart.ron` as
+/// The file that a user means by a graph's name; of a volume the path that stands for a graph of it ([`alone`]).
+///
+/// `quickstart` and `quickstart.ron` stand for `graphs/quickstart.ron` as
 /// well, and `engine` for `graphs/scans/engine.ron`. Each of these is looked for on the disk first, then among the ready graphs. What is nowhere stays as it is.
 #[must_use]
 pub fn locate(name: &Path) -> PathBuf {
@@ -45,6 +48,9 @@ pub fn locate(name: &Path) -> PathBuf {
             .map(|path| Path::new("embedded:").join(path))
             .find(|path| text(path).is_some())
     };
+    if let Some(volume) = on_disk.as_ref().filter(|path| alone::is_volume(path)) {
+        return alone::path_for(volume);
+    }
     on_disk
         .or_else(embedded)
         .unwrap_or_else(|| name.to_path_buf())
@@ -92,6 +98,12 @@ pub fn text(path: &Path) -> Option<&'static str> {
         Err(_) => EMBEDDED_SHADERS.get_file(below),
     };
     file?.contents_utf8()
+}
+
+/// Whether volgraph carries a file of this path, text or not.
+pub(crate) fn is_carried(path: &Path) -> bool {
+    let below = path.strip_prefix(ROOT);
+    below.is_ok_and(|below| EMBEDDED_GRAPHS.get_file(below).is_some())
 }
 
 /// Where the sources of a graph are looked for: its own folder, then those of data; embedded files as [`Folders`] says.

@@ -17,16 +17,19 @@
 //! ```
 
 pub mod advise;
+pub mod alone;
 pub mod bench;
 mod beside;
 pub mod case;
 mod dependencies;
+pub mod edits;
 pub mod embedded;
 pub mod folders;
 mod kept;
 pub mod metadata;
 pub mod methods;
 mod overrides;
+pub mod presets;
 pub mod quality;
 pub mod ray;
 pub mod recorded;
@@ -55,7 +58,9 @@ pub use truth::{Truth, TruthOptions};
 pub use volgraph_gpu::{
     AdapterChoice, AdapterSummary, FrameReport, Gpu, Shown, TexelValues, Texels, list_adapters,
 };
-pub use volgraph_graph::{Camera, CameraDesc, GraphDesc, Limits, Plan, Registry, View};
+pub use volgraph_graph::{
+    Camera, CameraDesc, Edit, GraphDesc, Limits, Plan, Registry, View, apply_edits,
+};
 pub use volgraph_nodes::registry;
 pub use volgraph_picture::Picture;
 pub use volgraph_report::{Finding, Findings, Place};

@@ -17,9 +17,9 @@ use volgraph_shader::{ParamValue, ShaderFiles, ShaderRoots};
 use volgraph_watch::Seen;
 
 use crate::dependencies::{Dependencies, as_it_is, data_since};
-use crate::embedded;
 use crate::overrides::{Overrides, ParamOverride};
 use crate::shaders::ShaderFolders;
+use crate::{alone, embedded};
 
 /// Graph files are at most this long.
 const MAX_GRAPH_BYTES: u64 = 4 << 20;
@@ -359,6 +359,9 @@ impl Scene {
 pub(crate) fn read_text(path: &Path) -> Result<String, Findings> {
     if let Some(text) = embedded::text(path) {
         return Ok(text.to_owned());
+    }
+    if let Some(volume) = alone::volume_of(path) {
+        return Ok(alone::graph_for(&volume)?.graph);
     }
     let unreadable = |error: std::io::Error| {
         Finding::error("io", format!("the graph cannot be read: {error}"))

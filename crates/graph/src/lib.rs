@@ -12,11 +12,13 @@
 #![warn(missing_docs)]
 
 pub mod camera;
+mod camera_text;
 pub mod check;
 pub mod choices;
 pub mod cull;
 pub mod demand;
 mod desc;
+pub mod edit;
 pub mod fingerprint;
 mod graph;
 mod kind;
@@ -40,6 +42,7 @@ mod upload;
 
 pub use camera::{Camera, CameraDesc, Lens, Pose, Projection, View};
 pub use desc::{EdgeDesc, GraphDesc, NodeDesc, ParamDesc, SourceDesc};
+pub use edit::{Edit, apply_edits};
 pub use fingerprint::{Digest, hex};
 pub use graph::{Graph, Link, Node, NodeBody, NodeId, Origin, Program};
 pub use kind::{

@@ -15,7 +15,7 @@ use volgraph::{AdapterChoice, CameraDesc, Overrides, ParamOverride, ShaderFolder
 use volgraph_volume::ScalarType;
 
 pub use accuracy::{AdviseArgs, ReferenceArgs, StressArgs};
-pub use authors::{GalleryArgs, GraphsArgs, NewArgs, NewSlot, TestArgs};
+pub use authors::{GalleryArgs, GraphsArgs, NewArgs, NewSlot, SetArgs, TestArgs, TransferArgs};
 pub use bench::BenchArgs;
 pub use chart::{ChartArgs, TruthChoice};
 pub use each::EachSceneArgs;
@@ -79,6 +79,12 @@ pub enum Command {
     Nodes(NodesArgs),
     /// List the ready graphs, print one, or copy one into a folder to start from.
     Graphs(GraphsArgs),
+    /// Change parameters, slots, sources or the camera in a graph's file, and leave all else in it as it stands.
+    ///
+    /// Comments, layout and order stay. What would make the graph wrong is refused, and nothing is written.
+    Set(SetArgs),
+    /// Make a transfer function for a volume from a preset, such as bone in CT.
+    Transfer(TransferArgs),
     /// Render every ready graph, and a page (index.html) that shows the pictures with graphs, times and adapter.
     ///
     /// A graph whose volume is not found is left out and named. Exit code 1 means that a graph could not be rendered.
@@ -148,7 +154,8 @@ pub struct DataArgs {
 /// What all commands on graphs share.
 #[derive(ClapArgs, Clone, Debug)]
 pub struct SceneArgs {
-    /// The graph file; or the name of a ready graph (`volgraph graphs` lists them), where there is no such file.
+    /// The graph file; or the name of a ready graph (`volgraph graphs` lists them), where there is no such file; or a volume
+    /// file, for which a graph is picked.
     pub graph: PathBuf,
     /// Width and height of the picture in pixels.
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = parse_size)]

@@ -19,10 +19,12 @@ mod plan;
 mod ray;
 mod reference;
 mod render;
+mod set;
 mod shader_tree;
 mod software;
 mod stress;
 mod test;
+mod transfer;
 mod verify;
 mod view;
 mod watch;
@@ -32,7 +34,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use volgraph::truth::default_cache;
-use volgraph::{Finding, Findings, Place, Scene, SessionOptions, registry};
+use volgraph::{Finding, Findings, Place, Scene, SessionOptions, alone, registry};
 use volgraph_graph::is_embedded;
 use volgraph_picture::{PictureError, PngBits};
 
@@ -58,6 +60,8 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::New(args) => new::run(&args),
         Command::Test(args) => test::run(&args),
         Command::Graphs(args) => graphs::run(&args),
+        Command::Set(args) => set::run(&args),
+        Command::Transfer(args) => transfer::run(&args),
         Command::Gallery(args) => gallery::run(&args),
         Command::Adapters(args) => adapters::run(&args),
         Command::Bench(args) => bench::run(&args),
@@ -85,7 +89,14 @@ fn load(args: &SceneArgs) -> anyhow::Result<Scene> {
 
 /// Tells whose graph it is, and what the user should know of its sources.
 fn tell_warnings(args: &SceneArgs, scene: &Scene) {
-    if scene.path != args.graph && is_embedded(&scene.path) {
+    let volume = alone::volume_of(&scene.path);
+    if let Some(Ok(picked)) = volume.as_ref().map(|volume| alone::graph_for(volume)) {
+        output::note(&format!(
+            "{} is a volume: {}; `volgraph graphs --for {0} -o FILE.ron` saves the graph",
+            args.graph.display(),
+            picked.why
+        ));
+    } else if scene.path != args.graph && is_embedded(&scene.path) {
         output::note(&format!(
             "there is no file {} here; this is volgraph's own {}",
             args.graph.display(),

@@ -1,13 +1,13 @@
-//! `transfer(path: "transfer/engine.ron")`: a transfer function from a file.
+//! `transfer(path: "transfer/engine.ron")`: a transfer function from a file; `transfer(text: "(…)")`: one in the graph itself.
 
 use std::any::Any;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use volgraph_graph::{Digest, Folders, PortType, Source, SourceKind};
 use volgraph_optics::TransferFunction;
-use volgraph_report::Findings;
+use volgraph_report::{Finding, Findings};
 use volgraph_shader::{ParamSpec, ParamValue};
 
 use super::{Given, path_param};
@@ -20,7 +20,8 @@ pub struct TransferKind;
 pub struct TransferSource {
     /// The transfer function.
     pub transfer: Arc<TransferFunction>,
-    path: PathBuf,
+    /// Its file; none where it stands in the graph.
+    path: Option<PathBuf>,
 }
 
 impl SourceKind for TransferKind {
@@ -29,7 +30,7 @@ impl SourceKind for TransferKind {
     }
 
     fn doc(&self) -> &'static str {
-        "A transfer function from a RON file: colour and opacity over the scalar."
+        "A transfer function from a RON file, or as a text: colour and opacity over the scalar."
     }
 
     fn ty(&self) -> PortType {
@@ -37,7 +38,10 @@ impl SourceKind for TransferKind {
     }
 
     fn params(&self) -> Vec<ParamSpec> {
-        vec![path_param()]
+        vec![
+            path_param(),
+            ParamSpec::text("text", "", "What the file would hold, in its place."),
+        ]
     }
 
     fn load(
@@ -47,6 +51,20 @@ impl SourceKind for TransferKind {
         _progress: volgraph_graph::Progress<'_>,
     ) -> Result<Arc<dyn Source>, Findings> {
         let given = Given(params);
+        let has_path = given.text("path").is_some_and(|path| !path.is_empty());
+        if let Some(text) = given.text("text").filter(|text| !text.is_empty()) {
+            if has_path {
+                let message = "`path` and `text` are both given";
+                return Err(Finding::error("exclusive-fields", message)
+                    .help("leave one of the two out")
+                    .into());
+            }
+            let transfer = TransferFunction::parse(Path::new("text"), text)?;
+            return Ok(Arc::new(TransferSource {
+                transfer: Arc::new(transfer),
+                path: None,
+            }));
+        }
         let path = given.path("path", folders)?;
         let transfer = match folders.embedded_bytes(&path) {
             Some(bytes) => TransferFunction::parse(&path, &String::from_utf8_lossy(bytes))?,
@@ -55,7 +73,7 @@ impl SourceKind for TransferKind {
         };
         Ok(Arc::new(TransferSource {
             transfer: Arc::new(transfer),
-            path,
+            path: Some(path),
         }))
     }
 }
@@ -71,15 +89,12 @@ impl Source for TransferSource {
 
     fn summary(&self) -> String {
         let (lo, hi) = self.transfer.range();
-        format!(
-            "{} {:?} {lo}..{hi}",
-            self.path.display(),
-            self.transfer.domain()
-        )
+        let from = self.path.as_deref().unwrap_or(Path::new("text")).display();
+        format!("{from} {:?} {lo}..{hi}", self.transfer.domain())
     }
 
     fn files(&self) -> Vec<PathBuf> {
-        vec![self.path.clone()]
+        self.path.iter().cloned().collect()
     }
 
     fn as_any(&self) -> &dyn Any {

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args as ClapArgs;
 
-use super::{DataArgs, EachSceneArgs, ShaderArgs};
+use volgraph::{CameraDesc, ParamOverride};
+
+use super::{DataArgs, EachSceneArgs, ShaderArgs, parse_camera, parse_volume};
 
 /// `volgraph new`.
 #[derive(ClapArgs, Debug)]
@@ -108,6 +110,12 @@ pub struct GalleryArgs {
 pub struct GraphsArgs {
     /// Only this one: its text.
     pub name: Option<String>,
+    /// The graph that fits a volume file, as it is drawn where the volume stands in a graph's place.
+    #[arg(long = "for", value_name = "VOLUME", conflicts_with_all = ["name", "write", "json"])]
+    pub volume: Option<PathBuf>,
+    /// Write that graph into this file, and its transfer function beside it.
+    #[arg(short, long, value_name = "FILE", requires = "volume")]
+    pub output: Option<PathBuf>,
     /// Copy the graph, its transfer functions and images into the folder.
     #[arg(long, requires = "name")]
     pub write: bool,
@@ -115,9 +123,73 @@ pub struct GraphsArgs {
     #[arg(long, value_name = "FOLDER", default_value = ".", requires = "write")]
     pub folder: PathBuf,
     /// Overwrite what is there.
-    #[arg(long, requires = "write")]
+    #[arg(long)]
     pub force: bool,
     /// Print JSON.
     #[arg(long, conflicts_with = "write")]
     pub json: bool,
+}
+
+/// `volgraph set`.
+#[derive(ClapArgs, Debug)]
+pub struct SetArgs {
+    /// The graph file; or the name of a ready graph, with -o.
+    pub graph: PathBuf,
+    /// Parameters, slots and fields of sources, and what they are set to.
+    #[arg(value_name = "NODE.PARAM=VALUE | NODE.slots.SLOT=CHOICE", value_parser = ParamOverride::parse)]
+    pub set: Vec<ParamOverride>,
+    /// Take a parameter, slot or field out of the graph; may be given again.
+    #[arg(long, value_name = "NODE.PARAM | NODE.slots.SLOT", value_parser = parse_unset)]
+    pub unset: Vec<ParamOverride>,
+    /// Draw another volume file for a source of the graph; may be given again.
+    #[arg(long, value_name = "[NAME=]FILE", value_parser = parse_volume)]
+    pub volume: Vec<(String, PathBuf)>,
+    /// The camera, as a graph writes it: orbit(azimuth: 40, elevation: 25) or look_at(eye: (1, 2, 3)).
+    #[arg(long, value_name = "CAMERA", value_parser = parse_camera)]
+    pub camera: Option<CameraDesc>,
+    /// Write another file, and leave the graph as it is. Paths of files beside the graph are changed to lead there.
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Overwrite the file of -o.
+    #[arg(long, requires = "output")]
+    pub force: bool,
+    /// Print the lines that would change, and write nothing.
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Where volumes are.
+    #[command(flatten)]
+    pub data: DataArgs,
+    /// Where shaders are.
+    #[command(flatten)]
+    pub shaders: ShaderArgs,
+}
+
+fn parse_unset(text: &str) -> Result<ParamOverride, String> {
+    let help = |_| "name a node and its parameter: node.param".to_owned();
+    ParamOverride::parse(&format!("{text}=0")).map_err(help)
+}
+
+/// `volgraph transfer`.
+#[derive(ClapArgs, Debug)]
+pub struct TransferArgs {
+    /// The volume that it is for.
+    #[arg(required_unless_present = "list", conflicts_with = "list")]
+    pub volume: Option<PathBuf>,
+    /// The preset; --list tells them.
+    #[arg(
+        long,
+        value_name = "NAME",
+        required_unless_present = "list",
+        conflicts_with = "list"
+    )]
+    pub preset: Option<String>,
+    /// List the presets and the names of colour maps.
+    #[arg(long)]
+    pub list: bool,
+    /// The file; without it the text is printed.
+    #[arg(short, long, value_name = "FILE", conflicts_with = "list")]
+    pub output: Option<PathBuf>,
+    /// Overwrite what is there; the comments that it begins with stay.
+    #[arg(long, requires = "output")]
+    pub force: bool,
 }

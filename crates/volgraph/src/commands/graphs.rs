@@ -1,9 +1,10 @@
 //! `volgraph graphs`: the graphs that volgraph carries, to draw as they are or to start from.
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use serde_json::json;
-use volgraph::{Finding, Findings, ReadyGraph, ready_graphs};
+use volgraph::{Finding, Findings, ReadyGraph, alone, ready_graphs};
 use volgraph_report::did_you_mean;
 
 use super::nodes::first_sentence;
@@ -12,6 +13,10 @@ use crate::args::GraphsArgs;
 use crate::output;
 
 pub fn run(args: &GraphsArgs) -> anyhow::Result<ExitCode> {
+    if let Some(volume) = &args.volume {
+        for_volume(args, volume)?;
+        return Ok(ExitCode::SUCCESS);
+    }
     let graphs = ready_graphs();
     let Some(name) = &args.name else {
         if args.json {
@@ -43,6 +48,36 @@ pub fn run(args: &GraphsArgs) -> anyhow::Result<ExitCode> {
         output::print(graph.text);
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The graph that is picked for a volume: printed, or written with its transfer function beside it.
+fn for_volume(args: &GraphsArgs, volume: &Path) -> Result<(), Findings> {
+    let path = std::path::absolute(volume).unwrap_or_else(|_| volume.to_path_buf());
+    let picked = alone::graph_for(&path)?;
+    let Some(output) = &args.output else {
+        output::print(picked.graph.trim_end());
+        return Ok(());
+    };
+    let stem = output.file_stem().unwrap_or_default().to_string_lossy();
+    let beside = format!("{stem}_transfer.ron");
+    let (graph, transfer) = picked.files(&beside);
+    let existing = if args.force {
+        write::Existing::Replaced
+    } else {
+        write::Existing::KeptUnlessForced
+    };
+    let name = PathBuf::from(output.file_name().unwrap_or_default());
+    let mut files = vec![(name, graph.as_bytes())];
+    files.extend(
+        transfer
+            .iter()
+            .map(|text| (PathBuf::from(&beside), text.as_bytes())),
+    );
+    for path in write::files(&super::folder_of(output), &files, existing)? {
+        output::print(&format!("wrote {}", path.display()));
+    }
+    output::note(&picked.why);
+    Ok(())
 }
 
 fn json(graph: &ReadyGraph) -> serde_json::Value {

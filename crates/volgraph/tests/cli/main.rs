@@ -14,6 +14,7 @@ mod new;
 mod planted;
 mod ray;
 mod reference;
+mod set;
 mod stress;
 mod verify;
 mod watch;

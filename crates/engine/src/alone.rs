@@ -1,0 +1,438 @@
+//! A volume file alone: the graph and the transfer function that fit what is in it.
+//!
+//! The way of the data: [`is_volume`] tells a volume from a graph by its content. [`graph_for`] reads the volume, looks at
+//! its values, and writes a graph with all in it: [`Alone::graph`] is what is drawn, at the path that [`path_for`] gives,
+//! and [`Alone::files`] the same as files to keep. The choice follows the values alone: few whole numbers in patches are
+//! labels, two values a mask, air near -1000 with water near 0 is CT; else the values above the background are drawn.
+
+use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::SystemTime;
+
+use volgraph_report::{Finding, Findings};
+use volgraph_volume::{LoadOptions, Volume, parse_raw_name};
+
+use crate::presets::{foreground, hounsfield_offset, points_text, preset, reference_length};
+
+/// What the paths of such graphs begin with.
+const ROOT: &str = "embedded:/alone/";
+
+/// A graph for a volume.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Alone {
+    /// The graph's text, with the transfer function in it.
+    pub graph: String,
+    /// The transfer function's text; none where the graph draws without.
+    pub transfer: Option<String>,
+    /// What was picked, and why.
+    pub why: String,
+}
+
+/// Whether a file is a volume rather than a graph.
+#[must_use]
+pub fn is_volume(path: &Path) -> bool {
+    let is_ron = path
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("ron"));
+    if is_ron || !path.is_file() {
+        return false;
+    }
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    if parse_raw_name(&name).is_ok() {
+        return true;
+    }
+    let mut head = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(1024).read_to_end(&mut head));
+    let is_picture = head.starts_with(b"\x89PNG") || head.starts_with(b"\x76\x2f\x31\x01");
+    let text = String::from_utf8_lossy(&head);
+    let is_header = ["NRRD", "<?xml", "<VTKFile", "# vtk"]
+        .iter()
+        .any(|it| text.starts_with(it))
+        || text.contains("ObjectType")
+        || text.contains("NDims");
+    read.is_ok() && !is_picture && (is_header || head.contains(&0))
+}
+
+/// The path that stands for the graph of a volume.
+#[must_use]
+pub fn path_for(volume: &Path) -> PathBuf {
+    let volume = std::path::absolute(volume).unwrap_or_else(|_| volume.to_path_buf());
+    format!("{ROOT}{}", volume.display()).into()
+}
+
+/// The volume that a path stands for the graph of.
+#[must_use]
+pub fn volume_of(path: &Path) -> Option<PathBuf> {
+    path.to_str()?.strip_prefix(ROOT).map(PathBuf::from)
+}
+
+/// The graph for a volume file. What was picked last is remembered until the file changes.
+///
+/// # Errors
+/// What is wrong with the file.
+pub fn graph_for(path: &Path) -> Result<Alone, Findings> {
+    type Last = Option<(PathBuf, u64, Option<SystemTime>, Alone)>;
+    static LAST: Mutex<Last> = Mutex::new(None);
+    let metadata = path.metadata().ok();
+    let length = metadata.as_ref().map_or(0, std::fs::Metadata::len);
+    let modified = metadata.and_then(|it| it.modified().ok());
+    let last = || LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((file, was_length, was_modified, alone)) = &*last()
+        && (file.as_path(), *was_length, *was_modified) == (path, length, modified)
+    {
+        return Ok(alone.clone());
+    }
+    let volume = Volume::load(path, &LoadOptions::default())
+        .map_err(|error| Findings::from(Finding::from(error)))?;
+    let alone = pick(&volume, &path.display().to_string());
+    *last() = Some((path.to_path_buf(), length, modified, alone.clone()));
+    Ok(alone)
+}
+
+impl Alone {
+    /// The same as files: the graph, and beside it its transfer function under the name given.
+    #[must_use]
+    pub fn files(&self, transfer_name: &str) -> (String, Option<String>) {
+        let Some(transfer) = &self.transfer else {
+            return (self.graph.clone(), None);
+        };
+        let inline = format!("transfer(text: {})", quoted(transfer));
+        let named = format!("transfer(path: {})", quoted(transfer_name));
+        (self.graph.replace(&inline, &named), Some(transfer.clone()))
+    }
+}
+
+fn quoted(text: &str) -> String {
+    ron::to_string(text).unwrap_or_else(|_| format!("{text:?}"))
+}
+
+/// What a volume's values are like.
+struct Looks {
+    is_whole: bool,
+    /// At most 257 of those that were looked at.
+    distinct: usize,
+    /// The share of neighbours along x, neither of them the smallest value, that are equal.
+    equal: f64,
+    /// Of those that are not, the share that differs by 2 at most: smooth values do, labels have no order.
+    near: f64,
+}
+
+impl Looks {
+    fn are_labels(&self) -> bool {
+        let few = self.distinct <= 32 && self.equal > 0.8;
+        self.is_whole && (few || (self.equal > 0.5 && self.near < 0.5))
+    }
+}
+
+fn looks(volume: &Volume) -> Looks {
+    let (min, _) = volume.statistics().range().unwrap_or((0.0, 0.0));
+    let voxels = volume.voxels();
+    let count = voxels.len();
+    // Some hundred thousand pairs, spread over all of it; odd, so that it does not walk along one plane.
+    let stride = (count / 500_000).max(1) | 1;
+    let mut values = BTreeSet::new();
+    let (mut is_whole, mut pairs, mut equal, mut near) = (true, 0_u64, 0_u64, 0_u64);
+    for at in (0..count).step_by(stride) {
+        let value = volume.drawn(voxels.get(at));
+        is_whole &= value.fract() == 0.0;
+        if values.len() <= 256 {
+            values.insert(value.to_bits());
+        }
+        if at + 1 < count {
+            let next = volume.drawn(voxels.get(at + 1));
+            if value > min && next > min {
+                pairs += 1;
+                equal += u64::from(value == next);
+                near += u64::from(value != next && (value - next).abs() <= 2.0);
+            }
+        }
+    }
+    let share = |count: u64, of: u64| count as f64 / of.max(1) as f64;
+    Looks {
+        is_whole,
+        distinct: values.len(),
+        equal: share(equal, pairs),
+        near: share(near, pairs - equal),
+    }
+}
+
+fn pick(volume: &Volume, path: &str) -> Alone {
+    let looks = looks(volume);
+    let (min, max) = volume.statistics().range().unwrap_or((0.0, 1.0));
+    if looks.distinct <= 2 {
+        let why =
+            format!("it has the values {min} and {max} alone: the surface between them, smooth");
+        let slots = r#""technique": "isosurface", "light": "phong", "reconstruct": "tricubic", "gradient": "tricubic""#;
+        let level = if max > min {
+            min + 0.5 * (max - min)
+        } else {
+            min
+        };
+        let params = format!(
+            r#""step": 0.5, "isovalue": {level:?}, "isovalue_unit": "data", "ambient": 0.25"#
+        );
+        return alone(path, None, slots, &params, why);
+    }
+    let lit = r#""classify": "preintegrated_2d", "light": "phong", "gradient_method": "sobel""#;
+    let params = r#""step": 0.5, "ambient": 0.25, "diffuse": 0.8"#;
+    if min.abs().max(max.abs()) > 1e29 {
+        // Control points reach 1e30; these count 0 to 1 over the values that there are.
+        let reference = reference_length(volume);
+        let text = format!(
+            "// All values, however large.\n(\n    domain: range,\n    {reference},\n    color: map(name: \"inferno\"),\n    \
+             opacity: [(0.0, 0.0), (1.0, 0.5)],\n)\n"
+        );
+        let why = "its values go beyond 1e29: a ramp over all of them".to_owned();
+        return alone(path, Some(text), lit, params, why);
+    }
+    if looks.are_labels() && max - min >= 2.0 {
+        let why = format!(
+            "it has whole numbers in patches, {:.0} % of neighbours equal: labels, each its own colour",
+            100.0 * looks.equal
+        );
+        return alone(
+            path,
+            Some(labels(volume)),
+            r#""reconstruct": "nearest", "classify": "post", "light": "phong""#,
+            r#""step": 0.25"#,
+            why,
+        );
+    }
+    if let Some(offset) = hounsfield_offset(volume)
+        && let Ok(text) = preset("ct-bone").and_then(|preset| preset.text(volume))
+    {
+        let stored = if offset == 0.0 {
+            String::new()
+        } else {
+            format!(", stored {offset} higher")
+        };
+        let why = format!(
+            "it has air near -1000 and tissue near 0: CT in Hounsfield units{stored}, the preset ct-bone"
+        );
+        return alone(path, Some(text), lit, params, why);
+    }
+    if !looks.is_whole {
+        let (text, why) = field(volume);
+        return alone(path, Some(text), lit, params, why);
+    }
+    let name = "solid";
+    let text = preset(name)
+        .and_then(|preset| preset.text(volume))
+        .unwrap_or_default();
+    let (low, high) = foreground(volume);
+    let why = format!(
+        "its values have no unit: what is above its background, from {low:.6} to {high:.6}, the preset {name}"
+    );
+    alone(path, Some(text), lit, params, why)
+}
+
+/// Labels: the smallest value is outside.
+fn labels(volume: &Volume) -> String {
+    let (min, max) = volume.statistics().range().unwrap_or((0.0, 1.0));
+    // Most labels of an atlas stand together, whatever a few have.
+    let statistics = volume.statistics();
+    let outside = 100.0 * volume_share_of_min(volume);
+    let inside = |p: f64| statistics.percentile(outside + (100.0 - outside) * p);
+    let (from, to) = (inside(0.02), inside(0.98));
+    let (from, to) = if to > from { (from, to) } else { (min, max) };
+    // Beyond the last its colour holds: one stray label takes nothing from the others.
+    let (max, least) = (to, min + 0.5);
+    format!(
+        "// Labels: {min} is outside.\n(\n    domain: data(from: {min:?}, to: {max:?}),\n    color: map(name: \"turbo\", from: \
+         {from:?}, to: {to:?}),\n    opacity: [({min:?}, 0.0), ({least:?}, 0.0), ({least:?}, 0.6), ({max:?}, 0.6)],\n)\n"
+    )
+}
+
+fn volume_share_of_min(volume: &Volume) -> f64 {
+    let min = volume.statistics().min;
+    let count = volgraph_volume::Histogram::of(volume.voxels(), min, min, 1).counts[0];
+    count as f64 / volume.statistics().finite_count.max(1) as f64
+}
+
+/// Numbers with fractions, as simulations have them: the upper quarter of the values, or both tails of values around 0.
+fn field(volume: &Volume) -> (String, String) {
+    let statistics = volume.statistics();
+    let (min, max) = statistics.range().unwrap_or((0.0, 1.0));
+    let (low, high) = (statistics.percentile(1.0), statistics.percentile(99.0));
+    // A value that much of the grid has stands for what was not measured.
+    let is_filled = volume_share_of_min(volume) > 0.2;
+    let is_around_zero = !is_filled
+        && low < 0.0
+        && high > 0.0
+        && (low + high).abs() < 0.5 * (high - low).max(f64::MIN_POSITIVE);
+    let title = "The values that few voxels have.";
+    if is_around_zero {
+        let end = min.abs().max(max.abs()).max(1e-29);
+        let [a, b] = [0.35, 0.7].map(|t| t * low.abs().max(high).min(end));
+        let points = [
+            (-end, "#2060c0", 0.8),
+            (-b, "#4080d8", 0.35),
+            (-a, "#90b8e8", 0.0),
+            (a, "#e8b090", 0.0),
+            (b, "#d86840", 0.35),
+            (end, "#c03018", 0.8),
+        ];
+        let why = format!(
+            "its values lie around 0, from {low:.6} to {high:.6}: both tails, blue below and red above"
+        );
+        return (points_text(title, volume, &points), why);
+    }
+    let (threshold, top) = foreground(volume);
+    let start = threshold.max(statistics.percentile(75.0));
+    let top = if top > start { top } else { max };
+    let least = (1e-4 * start.abs().max(top.abs())).max(1e-29);
+    let top = top.max(start + least);
+    let at = |t: f64| start + t * (top - start);
+    let text = format!(
+        "// {title}\n(\n    domain: data,\n    {},\n    color: map(name: \"inferno\", from: {:?}, to: {top:?}),\n    opacity: [({:?}, 0.0), \
+         ({:?}, 0.05), ({:?}, 0.3), ({top:?}, 0.7)],\n)\n",
+        reference_length(volume),
+        at(-0.4),
+        at(0.0),
+        at(0.15),
+        at(0.5),
+    );
+    let why = format!(
+        "it has numbers with fractions and no known unit: values from {start:.6}, in the colours of inferno"
+    );
+    (text, why)
+}
+
+fn alone(path: &str, transfer: Option<String>, slots: &str, params: &str, why: String) -> Alone {
+    let source = transfer.as_ref().map_or_else(String::new, |text| {
+        format!("        \"transfer\": transfer(text: {}),\n", quoted(text))
+    });
+    let input = if transfer.is_some() {
+        r#""transfer": "transfer", "#
+    } else {
+        ""
+    };
+    let graph = format!(
+        r#"// For this volume alone: {why}.
+(
+    sources: {{
+        "volume": volume(path: {}),
+{source}    }},
+    camera: orbit(azimuth: 30, elevation: 15, zoom: 1.3),
+    nodes: {{
+        "background": (kind: "background",
+                       params: {{ "pattern": "gradient", "bottom": [0.004, 0.006, 0.010, 1.0],
+                                 "top": [0.035, 0.050, 0.075, 1.0] }}),
+        "box":        (kind: "proxy_box", in: {{ "volume": "volume" }}),
+        "image":      (kind: "raycast",
+                       in: {{ "volume": "volume", {input}"rays": "box", "behind": "background" }},
+                       slots: {{ {slots} }},
+                       params: {{ {params} }}),
+    }},
+    outputs: {{ "color": "image.color" }},
+)
+"#,
+        quoted(path)
+    );
+    Alone {
+        graph,
+        transfer,
+        why,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+    use volgraph_graph::read;
+    use volgraph_optics::TransferFunction;
+    use volgraph_shader::ParamValue;
+    use volgraph_volume::Grid;
+
+    use super::*;
+
+    fn volume(value: impl Fn([i32; 3]) -> f32) -> Volume {
+        let mut voxels = Vec::new();
+        for z in 0..16 {
+            for y in 0..16 {
+                for x in 0..16 {
+                    voxels.push(value([x, y, z]));
+                }
+            }
+        }
+        let grid = Grid::axis_aligned([16; 3], DVec3::ONE, DVec3::ZERO);
+        Volume::new("v", grid, voxels.into()).unwrap()
+    }
+
+    /// What is picked is a graph whose transfer function can be read.
+    fn why(volume: &Volume) -> String {
+        let picked = pick(volume, "a \"b\".nrrd");
+        let desc = read::graph(Path::new("t.ron"), &picked.graph).unwrap();
+        let text = desc
+            .sources
+            .get("transfer")
+            .map(|source| source.params["text"].value.clone());
+        assert_eq!(text, picked.transfer.clone().map(ParamValue::Text));
+        if let Some(text) = &picked.transfer {
+            let read = TransferFunction::parse(Path::new("t.ron"), text);
+            read.unwrap_or_else(|found| panic!("{found} in {text}"));
+        }
+        let (graph, _) = picked.files("t.ron");
+        read::graph(Path::new("t.ron"), &graph).unwrap();
+        assert_eq!(graph.contains("path: \"t.ron\""), picked.transfer.is_some());
+        picked.why
+    }
+
+    #[test]
+    fn what_is_in_a_volume_decides_what_is_drawn() {
+        let radius = |[x, y, z]: [i32; 3]| {
+            (((x - 8).pow(2) + (y - 8).pow(2) + (z - 8).pow(2)) as f32).sqrt()
+        };
+        let mask = volume(|at| f32::from(u8::from(radius(at) < 5.0)) * 257.0);
+        assert!(why(&mask).contains("the surface between"));
+        let labels = volume(|at| (at[1] / 4 * 100 + at[2] / 4 * 17) as f32);
+        assert!(why(&labels).contains("labels"));
+        let ct = volume(|at| match radius(at) {
+            r if r < 3.0 => 900.0,
+            r if r < 6.0 => 30.0 + at[0] as f32,
+            _ => -1000.0 + (at[0] % 5) as f32,
+        });
+        assert!(why(&ct).contains("ct-bone"));
+        // Whole numbers that rise slowly are no labels.
+        assert!(
+            why(&volume(
+                |at| (10.0 - radius(at)).round() * 7.0 + at[0] as f32
+            ))
+            .contains("solid")
+        );
+        assert!(why(&volume(|at| (-radius(at)).exp())).contains("inferno"));
+        assert!(why(&volume(|at| (at[0] as f32 - 7.5) * 0.37)).contains("both tails"));
+        // Nothing to see is no reason to fail.
+        for value in [0.0, -1e30, f32::NAN, f32::INFINITY, 3e38] {
+            why(&volume(|_| value));
+            why(&volume(|at| if at == [8; 3] { value } else { 0.25 }));
+            why(&volume(|at| {
+                if at == [8; 3] {
+                    value
+                } else {
+                    at[0] as f32 * 1.5
+                }
+            }));
+        }
+    }
+
+    #[test]
+    fn volumes_are_told_from_graphs_by_what_they_hold() {
+        let folder = tempfile::tempdir().unwrap();
+        let is = |name: &str, content: &[u8]| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, content).unwrap();
+            is_volume(&path)
+        };
+        assert!(is("a.nrrd", b"NRRD0004\n") && is("b_2x2x2_uint8.raw", b"01234567"));
+        assert!(is("c.mha", b"ObjectType = Image\n") && is("d", b"\x5c\x01\0\0"));
+        assert!(!is("a.ron", b"NRRD0004\n") && !is("a.txt", b"( nodes: {} )"));
+        assert!(!is("a.png", b"\x89PNG\r\n\x1a\n\0\0") && !is_volume(folder.path()));
+        let path = Path::new("/a/b c.nrrd");
+        assert_eq!(volume_of(&path_for(path)).as_deref(), Some(path));
+        assert_eq!(volume_of(Path::new("embedded:/graphs/mip.ron")), None);
+    }
+}
