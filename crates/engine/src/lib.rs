@@ -22,6 +22,7 @@ mod beside;
 pub mod case;
 mod dependencies;
 pub mod embedded;
+pub mod film;
 pub mod folders;
 mod kept;
 pub mod metadata;

@@ -125,6 +125,12 @@ impl CameraDesc {
         }
     }
 
+    /// What a camera looks at that names no target: the middle of `corners`, the origin where there are none.
+    #[must_use]
+    pub fn middle(corners: &[DVec3]) -> DVec3 {
+        bounding_sphere(corners).0
+    }
+
     /// Fits what is open to `corners`, the corners of all volumes' boxes in world space (a unit cube around the
     /// origin where there are none), for a picture of the given width over height.
     #[must_use]

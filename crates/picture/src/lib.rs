@@ -3,7 +3,8 @@
 //! The way of the data: a renderer fills a [`Picture`] (linear, premultiplied, top row first).
 //! [`Picture::save`] encodes it in memory by the path's extension, writes that beside the target and renames
 //! it, so that nobody ever sees half a file, and says in a [`SaveReport`] what the format could not hold.
-//! [`Picture::load`] looks at a file's first bytes, judges the size that its header states, and decodes.
+//! [`Picture::load`] looks at a file's first bytes, judges the size that its header states, and decodes. A [`FilmFile`]
+//! takes picture after picture into one animated PNG or GIF, likewise whole or not there.
 //!
 //! | | PNG | EXR |
 //! | --- | --- | --- |
@@ -15,6 +16,7 @@
 mod error;
 mod exr_file;
 mod files;
+mod film_file;
 mod png_file;
 pub mod srgb;
 
@@ -23,6 +25,7 @@ use std::path::Path;
 
 pub use error::PictureError;
 pub use files::abandon_unfinished;
+pub use film_file::{FilmFile, FilmFormat};
 
 /// Prefix of the metadata's keys on disk.
 const KEY_PREFIX: &str = "volgraph:";

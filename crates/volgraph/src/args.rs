@@ -1,6 +1,7 @@
 //! The arguments of all commands.
 
 mod accuracy;
+mod animate;
 mod authors;
 mod bench;
 mod chart;
@@ -14,6 +15,7 @@ use volgraph::{AdapterChoice, CameraDesc, Overrides, ParamOverride, ShaderFolder
 use volgraph_volume::ScalarType;
 
 pub use accuracy::{AdviseArgs, ReferenceArgs, StressArgs};
+pub use animate::AnimateArgs;
 pub use authors::{GalleryArgs, GraphsArgs, NewArgs, NewSlot, TestArgs};
 pub use bench::BenchArgs;
 pub use chart::{ChartArgs, TruthChoice};
@@ -34,6 +36,11 @@ pub struct Args {
 pub enum Command {
     /// Render a graph into a picture.
     Render(RenderArgs),
+    /// Render a film of a graph: the camera goes around its target, or along a path of keys.
+    ///
+    /// Frames are numbered pictures in a folder, each as `volgraph render` saves it, or one animated PNG or GIF. An
+    /// interrupt leaves no half-written file.
+    Animate(AnimateArgs),
     /// Compute what a graph's picture should be, in float64 on the processor; no adapter is needed.
     Reference(ReferenceArgs),
     /// Say which step a graph asks for: by Carson's rule from the spectra of its volume and transfer function, and measured.
