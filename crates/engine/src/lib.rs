@@ -47,12 +47,12 @@ pub use recorded::Recorded;
 pub use scene::{NoProgress, Scene, SourceProgress};
 pub use session::{
     Change, ChangeReport, ChangedFile, Drawn, Outcome, Refused, Session, SessionOptions, Stages,
-    Unopened,
+    TILE_SIDE, Unopened, has_to_be_tiled,
 };
 pub use shaders::{EMBEDDED_SHADERS, ShaderFolders};
 pub use truth::{Truth, TruthOptions};
 pub use volgraph_gpu::{AdapterChoice, AdapterSummary, FrameReport, list_adapters};
-pub use volgraph_graph::{Camera, CameraDesc, GraphDesc, Limits, Plan, Registry, View};
+pub use volgraph_graph::{Camera, CameraDesc, GraphDesc, Limits, Plan, Registry, View, Window};
 pub use volgraph_nodes::registry;
 pub use volgraph_picture::Picture;
 pub use volgraph_report::{Finding, Findings, Place};

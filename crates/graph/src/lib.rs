@@ -38,7 +38,7 @@ mod source;
 pub mod sources;
 mod upload;
 
-pub use camera::{Camera, CameraDesc, Lens, Pose, Projection, View};
+pub use camera::{Camera, CameraDesc, Lens, Pose, Projection, View, Window};
 pub use desc::{EdgeDesc, GraphDesc, NodeDesc, ParamDesc, SourceDesc};
 pub use fingerprint::{Digest, hex};
 pub use graph::{Graph, Link, Node, NodeBody, NodeId, Origin, Program};

@@ -30,8 +30,8 @@ pub use film_file::{FilmFile, FilmFormat};
 /// Prefix of the metadata's keys on disk.
 const KEY_PREFIX: &str = "volgraph:";
 
-/// Most pixels of a picture that is saved or loaded: 2²⁷, a colour buffer of 2 GiB.
-pub const MAX_PIXELS: u64 = 1 << 27;
+/// Most pixels of a picture that is saved or loaded: 2²⁸, a colour buffer of 4 GiB.
+pub const MAX_PIXELS: u64 = 1 << 28;
 
 /// Most pixels along one side of a picture that is saved or loaded.
 pub const MAX_SIDE: u32 = 1 << 16;

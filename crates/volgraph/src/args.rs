@@ -204,6 +204,10 @@ pub struct RenderArgs {
     /// The picture: .png, or .exr with depth, opacity and the graph's other outputs as layers.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
+    /// Draw in tiles of at most so many pixels a side, which make the same picture. Pictures that are larger than the
+    /// adapter's textures are drawn so in any case.
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
+    pub tile: Option<u32>,
     /// Bits of each PNG component: 8 or 16.
     #[arg(long, value_name = "BITS", default_value = "8", value_parser = ["8", "16"])]
     pub png_bits: String,

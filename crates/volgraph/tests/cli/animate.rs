@@ -10,7 +10,7 @@ use crate::{SPHERE, Scratch, TRANSFER, graph};
 fn scratch() -> Scratch {
     let scratch = Scratch::new();
     // Not round, so that views are told apart.
-    let volume = SPHERE.replace("sphere", "torus");
+    let volume = SPHERE.replace("sphere", "gyroid");
     scratch.write("g.ron", graph(&volume));
     scratch.write("t.ron", TRANSFER);
     scratch
@@ -254,4 +254,32 @@ fn a_film_does_not_replace_what_it_is_made_of() {
         before,
         std::fs::read(scratch.path().join("frame_0000.png")).unwrap()
     );
+}
+
+#[test]
+fn a_picture_in_tiles_is_the_picture() {
+    let scratch = scratch();
+    let exr = |more: &[&str]| {
+        let args = ["render", "g.ron", "-o", "tiled.exr", "--size", SIZE];
+        scratch.run(&[&args[..], more].concat()).ok();
+        scratch.picture("tiled.exr")
+    };
+    let whole = exr(&[]);
+    assert_eq!(whole, exr(&["--tile", "7"]));
+    // Beyond what one resource may be, a picture is tiled unasked: 8 GiB are 23170 pixels squared.
+    let graph = graph(SPHERE).replace("\"raycast\"", "\"software_raycast\"");
+    let graph = graph.replace(", \"rays\": \"box\"", "");
+    scratch.write("g.ron", graph);
+    scratch
+        .run(&[
+            "render",
+            "g.ron",
+            "-o",
+            "tiled.png",
+            "--tile",
+            "7",
+            "--size",
+            SIZE,
+        ])
+        .refused(&["no-window"]);
 }
