@@ -7,6 +7,8 @@
 
 mod keys;
 mod spline;
+#[cfg(test)]
+mod tests;
 mod values;
 mod way;
 
@@ -197,14 +199,19 @@ impl Film {
 
 fn turntable(plan: &Plan, degrees: f64, frames: u32) -> Vec<FilmFrame> {
     let camera = plan.fit(&plan.camera);
-    let (Pose::Orbit { target, .. } | Pose::LookAt { target, .. }) = plan.camera.pose;
-    let target = target.unwrap_or_else(|| CameraDesc::middle(&plan.corners()));
+    let target = target(plan);
     let cameras = turned_cameras(&camera, target, plan.camera.up, degrees, frames);
     let frames = cameras.into_iter().map(|camera| FilmFrame {
         camera,
         sets: Vec::new(),
     });
     frames.collect()
+}
+
+/// What the graph's camera looks at.
+fn target(plan: &Plan) -> DVec3 {
+    let (Pose::Orbit { target, .. } | Pose::LookAt { target, .. }) = plan.camera.pose;
+    target.unwrap_or_else(|| CameraDesc::middle(&plan.corners()))
 }
 
 /// Cameras around a target, from one on: so many degrees about an axis as a whole. A whole turn closes without a doubled

@@ -266,7 +266,7 @@ fn a_picture_in_tiles_is_the_picture() {
     };
     let whole = exr(&[]);
     assert_eq!(whole, exr(&["--tile", "7"]));
-    // Beyond what one resource may be, a picture is tiled unasked: 8 GiB are 23170 pixels squared.
+    // What draws on the processor draws the whole.
     let graph = graph(SPHERE).replace("\"raycast\"", "\"software_raycast\"");
     let graph = graph.replace(", \"rays\": \"box\"", "");
     scratch.write("g.ron", graph);
