@@ -160,7 +160,7 @@ impl Film {
                 drawn = match session.apply_with(&change, progress) {
                     Ok(Outcome::Drawn(drawn)) => Some((drawn.picture, drawn.report.frame)),
                     Ok(Outcome::Unchanged) => None,
-                    Err(refused) => return Err(self.placed(number, refused.findings).into()),
+                    Err(refused) => return Err(self.placed(number, &refused.findings).into()),
                 };
                 set = &frame.sets;
             }
@@ -174,7 +174,7 @@ impl Film {
     }
 
     /// Findings about what a frame sets, at the line of the path file where that is set.
-    fn placed(&self, frame: u32, findings: Findings) -> Findings {
+    fn placed(&self, frame: u32, findings: &Findings) -> Findings {
         let sets = self
             .frames
             .get(frame as usize)
