@@ -125,6 +125,7 @@ fn what_is_not_finished_leaves_nothing() {
         let _ = film.push(&frame(0)).unwrap();
         let more = film.push(&frame(1));
         assert!(matches!(more, Err(PictureError::Encode { .. })));
+        drop(film);
         let mut film = FilmFile::create(&path, 2, 25.0, PngBits::Eight).unwrap();
         let _ = film.push(&frame(0)).unwrap();
         let other = Picture::from_color(1, 1, vec![[0.0; 4]]).unwrap();
