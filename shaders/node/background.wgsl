@@ -6,7 +6,7 @@
 
 @compute @workgroup_size(8, 8, 1)
 fn background_compute(@builtin(global_invocation_id) id: vec3u) {
-    if any(vec2f(id.xy) >= lens.size) {
+    if any(vec2f(id.xy) >= lens.extent) {
         return;
     }
     textureStore(color_out, id.xy, pattern_color(frame_view_plane(vec2f(id.xy) + 0.5)));

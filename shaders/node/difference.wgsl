@@ -19,7 +19,7 @@ fn difference_at(pixel: vec2i) -> vec4f {
 
 @compute @workgroup_size(8, 8, 1)
 fn difference_color(@builtin(global_invocation_id) id: vec3u) {
-    if any(vec2f(id.xy) >= lens.size) {
+    if any(vec2f(id.xy) >= lens.extent) {
         return;
     }
     let signed = params.amplification * difference_at(vec2i(id.xy)).xyz;
@@ -29,7 +29,7 @@ fn difference_color(@builtin(global_invocation_id) id: vec3u) {
 
 @compute @workgroup_size(8, 8, 1)
 fn difference_error(@builtin(global_invocation_id) id: vec3u) {
-    if any(vec2f(id.xy) >= lens.size) {
+    if any(vec2f(id.xy) >= lens.extent) {
         return;
     }
     let size = abs(difference_at(vec2i(id.xy)));

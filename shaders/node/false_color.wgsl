@@ -18,7 +18,7 @@ struct Params {
 
 @compute @workgroup_size(8, 8, 1)
 fn false_color_compute(@builtin(global_invocation_id) id: vec3u) {
-    if any(vec2f(id.xy) >= lens.size) {
+    if any(vec2f(id.xy) >= lens.extent) {
         return;
     }
     let number = textureLoad(layer, vec2i(id.xy), 0).x;
@@ -27,7 +27,7 @@ fn false_color_compute(@builtin(global_invocation_id) id: vec3u) {
     let share = (false_color_place(number) - low) / select(span, 1.0e-30, span == 0.0);
     let last = i32(textureDimensions(transfer_table).x) - 1;
     let entry = textureLoad(transfer_table, vec2i(i32(clamp(share, 0.0, 1.0) * f32(last) + 0.5), 0), 0);
-    let drawn = legend_color(vec2i(id.xy));
+    let drawn = legend_color(vec2i(id.xy) + vec2i(lens.corner));
     textureStore(color_out, id.xy, vec4f(drawn.xyz + (1.0 - drawn.w) * entry.xyz, 1.0));
 }
 

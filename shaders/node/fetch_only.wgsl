@@ -45,7 +45,7 @@ fn fetch_only_pixel(pixel: vec2f) {
 // Black, for every pixel; rays then overwrite those that they start from.
 @compute @workgroup_size(8, 8, 1)
 fn fetch_only_begin(@builtin(global_invocation_id) id: vec3u) {
-    if all(vec2f(id.xy) < lens.size) {
+    if all(vec2f(id.xy) < lens.extent) {
         fetch_only_write(vec2i(id.xy), 0.0);
     }
 }
@@ -63,7 +63,7 @@ fn fetch_only_fragment(@builtin(position) position: vec4f) {
 @compute @workgroup_size(8, 8, 1)
 fn fetch_only_compute(@builtin(global_invocation_id) id: vec3u) {
     let pixel = id.xy + tile.first;
-    if all(vec2f(pixel) < lens.size) {
+    if all(vec2f(pixel) < lens.extent) {
         fetch_only_pixel(vec2f(pixel) + 0.5);
     }
 }

@@ -87,7 +87,7 @@ fn multipass_reset() {
 // What lies behind, for every pixel; and a list of the rays that meet the box.
 @compute @workgroup_size(8, 8, 1)
 fn multipass_begin(@builtin(global_invocation_id) id: vec3u) {
-    if any(vec2f(id.xy) >= lens.size) {
+    if any(vec2f(id.xy) >= lens.extent) {
         return;
     }
     let pixel = vec2i(id.xy);

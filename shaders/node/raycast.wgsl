@@ -133,7 +133,7 @@ fn raycast_write(shown: Shown, pixel: vec2i) {
 @compute @workgroup_size(8, 8, 1)
 fn raycast_begin(@builtin(global_invocation_id) id: vec3u) {
     labels_select(STRETCH_NO_LABEL);
-    if all(vec2f(id.xy) < lens.size) {
+    if all(vec2f(id.xy) < lens.extent) {
         raycast_write(shown_nothing(), vec2i(id.xy));
     }
 }
@@ -151,7 +151,7 @@ fn raycast_fragment(@builtin(position) position: vec4f) {
 @compute @workgroup_size(8, 8, 1)
 fn raycast_compute(@builtin(global_invocation_id) id: vec3u) {
     let pixel = id.xy + tile.first;
-    if all(vec2f(pixel) < lens.size) {
+    if all(vec2f(pixel) < lens.extent) {
         raycast_write(raycast_pixel(vec2f(pixel) + 0.5), vec2i(pixel));
     }
 }

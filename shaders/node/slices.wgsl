@@ -117,7 +117,7 @@ fn slices_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) in
     out.planes = vec4f(front, slices_plane(first + 1u), slices_plane(first + 2u), slices_plane(first + 3u));
     out.last_plane = back;
     // World offsets from the view's axis at a depth of 1, or anywhere where rays are parallel.
-    let corner_plane = frame_view_plane(vec2f(0.0)) * lens.half_extent.y;
+    let corner_plane = frame_view_plane(-lens.corner) * lens.half_extent.y;
     let corner_aside = corner_plane.x * camera.right + corner_plane.y * camera.up;
     let pixel_size = 2.0 * lens.half_extent.y / lens.size.y;
     let right = pixel_size * camera.right;
@@ -153,7 +153,7 @@ struct SlicesWalk {
 }
 
 fn slices_begin(fragment: SlicesVertex) -> SlicesWalk {
-    let pixel = fragment.position.xy;
+    let pixel = fragment.position.xy + lens.corner;
     var walk: SlicesWalk;
     let aside = fragment.aside.xy + pixel * fragment.aside.zw;
     walk.per_depth = sqrt(1.0 + dot(aside, aside));
@@ -167,7 +167,7 @@ fn slices_begin(fragment: SlicesVertex) -> SlicesWalk {
     let last = max(a, b);
     walk.near = max(max(first.x, first.y), first.z);
     walk.far = max(min(min(last.x, last.y), last.z), walk.near);
-    walk.ray = slab_ray(pixel, walk.per_depth);
+    walk.ray = slab_ray(fragment.position.xy, walk.per_depth);
     walk.ray.entry = place;
     walk.ray.slope = given / walk.per_depth;
     walk.seen = Classified(vec3f(0.0), 1.0);
@@ -218,7 +218,7 @@ fn slices_fragment_4(fragment: SlicesVertex) -> @location(0) vec4f {
 // All slices over what lies behind them.
 @compute @workgroup_size(8, 8, 1)
 fn slices_compose(@builtin(global_invocation_id) id: vec3u) {
-    if all(vec2f(id.xy) < lens.size) {
+    if all(vec2f(id.xy) < lens.extent) {
         let pixel = vec2i(id.xy);
         let color = textureLoad(slices, pixel, 0);
         textureStore(color_out, pixel, color + (1.0 - color.w) * behind_color(pixel));

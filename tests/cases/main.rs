@@ -46,5 +46,6 @@ mod software_scalars;
 mod stress;
 mod sweep;
 mod tables;
+mod tiles;
 mod units;
 mod uploads;

@@ -24,6 +24,7 @@ pub mod case;
 mod dependencies;
 pub mod edits;
 pub mod embedded;
+pub mod film;
 pub mod folders;
 mod kept;
 pub mod metadata;
@@ -51,7 +52,7 @@ pub use recorded::Recorded;
 pub use scene::{NoProgress, Scene, SourceProgress};
 pub use session::{
     Change, ChangeReport, ChangedFile, Drawn, Outcome, Refused, Session, SessionOptions, Stages,
-    Unopened,
+    TILE_SIDE, Unopened, has_to_be_tiled,
 };
 pub use shaders::{EMBEDDED_SHADERS, ShaderFolders};
 pub use truth::{Truth, TruthOptions};
@@ -59,7 +60,7 @@ pub use volgraph_gpu::{
     AdapterChoice, AdapterSummary, FrameReport, Gpu, Shown, TexelValues, Texels, list_adapters,
 };
 pub use volgraph_graph::{
-    Camera, CameraDesc, Edit, GraphDesc, Limits, Plan, Registry, View, apply_edits,
+    Camera, CameraDesc, Edit, GraphDesc, Limits, Plan, Registry, View, Window, apply_edits,
 };
 pub use volgraph_nodes::registry;
 pub use volgraph_picture::Picture;

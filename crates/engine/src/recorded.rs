@@ -75,7 +75,11 @@ impl Recorded {
             graph: PathBuf::from(text("graph.path")?),
             text: text("graph.text")?,
             overrides,
-            view: View { camera, size },
+            view: View {
+                camera,
+                size,
+                window: None,
+            },
             shaders: ShaderFolders { own },
             metadata: picture.metadata.clone(),
         })

@@ -9,6 +9,7 @@ mod apply;
 mod change;
 mod compare;
 mod read_back;
+mod tiles;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -24,6 +25,8 @@ use volgraph_report::Findings;
 use volgraph_shader::{DiskFiles, SnapshotFiles};
 
 pub use change::{Change, ChangeReport, ChangedFile, Drawn, Outcome, Refused, Stages};
+
+pub use tiles::{TILE_SIDE, has_to_be_tiled};
 
 use self::read_back::{picture, read};
 use crate::dependencies::Dependencies;

@@ -100,8 +100,12 @@ pub struct Camera {
 /// Projection and picture size: what stays when the camera moves.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Lens {
-    /// Width and height in pixels.
+    /// Width and height of the whole picture in pixels.
     pub size: [u32; 2],
+    /// The first pixel of what is drawn of it.
+    pub corner: [u32; 2],
+    /// Width and height of what is drawn of it.
+    pub extent: [u32; 2],
     /// Half the width and height of the view: at distance 1 in perspective, in world units otherwise.
     pub half_extent: [f64; 2],
     /// Whether rays are parallel.
@@ -113,8 +117,19 @@ pub struct Lens {
 pub struct View {
     /// The camera.
     pub camera: Camera,
-    /// Width and height in pixels.
+    /// Width and height of what is drawn, in pixels.
     pub size: [u32; 2],
+    /// Of which picture that is a window; the whole picture where `None`.
+    pub window: Option<Window>,
+}
+
+/// Where a part of a picture is: what is drawn there is what the whole picture has there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Window {
+    /// Width and height of the whole picture in pixels.
+    pub whole: [u32; 2],
+    /// The first pixel of the part, from the left and from the top.
+    pub corner: [u32; 2],
 }
 
 impl CameraDesc {
@@ -123,6 +138,12 @@ impl CameraDesc {
             Pose::Orbit { zoom, .. } => zoom,
             Pose::LookAt { .. } => 1.0,
         }
+    }
+
+    /// What a camera looks at that names no target: the middle of `corners`, the origin where there are none.
+    #[must_use]
+    pub fn middle(corners: &[DVec3]) -> DVec3 {
+        bounding_sphere(corners).0
     }
 
     /// Fits what is open to `corners`, the corners of all volumes' boxes in world space (a unit cube around the
@@ -190,24 +211,32 @@ impl View {
     /// The part of the view that a moving camera does not change.
     #[must_use]
     pub fn lens(&self) -> Lens {
-        let aspect = f64::from(self.size[0]) / f64::from(self.size[1].max(1));
+        let Window { whole, corner } = self.window.unwrap_or(Window {
+            whole: self.size,
+            corner: [0; 2],
+        });
+        let aspect = f64::from(whole[0]) / f64::from(whole[1].max(1));
         let (half_height, is_orthographic) = match self.camera.projection {
             Projection::Perspective { fov_y } => ((fov_y.to_radians() * 0.5).tan(), false),
             Projection::Orthographic { height } => (height.unwrap_or(1.0) * 0.5, true),
         };
         Lens {
-            size: self.size,
+            size: whole,
+            corner,
+            extent: self.size,
             half_extent: [half_height * aspect, half_height],
             is_orthographic,
         }
     }
 
-    /// The pixel rectangle `[x, y, width, height]` that holds the projection of `corners`; the whole picture
+    /// The pixel rectangle `[x, y, width, height]` of what is drawn that holds the projection of `corners`; all of it
     /// where one of them is not in front of the eye; `None` where all of it is outside.
     #[must_use]
     pub fn pixel_bounds(&self, corners: &[DVec3]) -> Option<[u32; 4]> {
         let lens = self.lens();
         let [width, height] = self.size.map(f64::from);
+        let [whole_width, whole_height] = lens.size.map(f64::from);
+        let [left, top] = lens.corner.map(f64::from);
         let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for corner in corners {
             let from_eye = *corner - self.camera.eye;
@@ -222,7 +251,10 @@ impl View {
             };
             let x = from_eye.dot(self.camera.right) * scale / lens.half_extent[0];
             let y = from_eye.dot(self.camera.up) * scale / lens.half_extent[1];
-            let pixel = [(x + 1.0) * 0.5 * width, (1.0 - y) * 0.5 * height];
+            let pixel = [
+                (x + 1.0) * 0.5 * whole_width - left,
+                (1.0 - y) * 0.5 * whole_height - top,
+            ];
             for axis in 0..2 {
                 lo[axis] = lo[axis].min(pixel[axis]);
                 hi[axis] = hi[axis].max(pixel[axis]);
@@ -360,7 +392,11 @@ mod tests {
                         up: DVec3::Y,
                     }
                     .fit(&cube(), aspect);
-                    let view = View { camera, size };
+                    let view = View {
+                        camera,
+                        size,
+                        window: None,
+                    };
                     let [x, y, w, h] = view.pixel_bounds(&cube()).unwrap();
                     assert!(
                         x > 0 && y > 0 && x + w < size[0] && y + h < size[1],
@@ -386,6 +422,7 @@ mod tests {
         let view = View {
             camera,
             size: [64, 64],
+            window: None,
         };
         assert_eq!(view.pixel_bounds(&cube()), Some([0, 0, 64, 64]));
         let aside: Vec<DVec3> = cube()

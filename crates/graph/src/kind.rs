@@ -284,6 +284,13 @@ pub trait NodeKind: Send + Sync {
         &[]
     }
 
+    /// Whether it can draw a window of a picture ([`crate::View::window`]) as that part of the whole: what finds its rays
+    /// by `lib/frame.wgsl`, pixel by pixel, can.
+    fn draws_windows(&self, node: &NodeContext<'_>) -> bool {
+        let _ = node;
+        true
+    }
+
     /// Whether its passes (not its shader) depend on where the camera stands.
     fn passes_follow_camera(&self) -> bool {
         false

@@ -40,7 +40,7 @@ mod source;
 pub mod sources;
 mod upload;
 
-pub use camera::{Camera, CameraDesc, Lens, Pose, Projection, View};
+pub use camera::{Camera, CameraDesc, Lens, Pose, Projection, View, Window};
 pub use desc::{EdgeDesc, GraphDesc, NodeDesc, ParamDesc, SourceDesc};
 pub use edit::{Edit, apply_edits};
 pub use fingerprint::{Digest, hex};

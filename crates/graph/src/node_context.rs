@@ -128,6 +128,13 @@ impl<'g> NodeContext<'g> {
             .map_or("", |choice| choice.choice.as_str())
     }
 
+    /// Whether the node's shader imports a slot.
+    #[must_use]
+    pub fn imports_slot(&self, name: &str) -> bool {
+        let program = self.node().program.as_ref();
+        program.is_some_and(|program| program.module.linked.slots_used.contains_key(name))
+    }
+
     /// The source of type `T` that an input port is connected to.
     #[must_use]
     pub fn source<T: 'static>(&self, port: &str) -> Option<&'g T> {

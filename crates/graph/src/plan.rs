@@ -162,7 +162,28 @@ impl Plan {
         View {
             camera: self.fit(&self.camera),
             size: self.size,
+            window: None,
         }
+    }
+
+    /// Whether windows of a picture can be drawn ([`View::window`]), each as that part of the whole.
+    ///
+    /// # Errors
+    /// `no-window` for each node that works on the whole picture.
+    pub fn check_windows(&self) -> Result<(), Findings> {
+        let mut findings = Findings::new();
+        for &id in &self.order {
+            let context = NodeContext::new(&self.graph, id, &self.limits);
+            let kind = self.graph.nodes[id].kind();
+            if kind.is_some_and(|kind| !kind.draws_windows(&context)) {
+                findings.push(
+                    context
+                        .error("no-window", "it works on the whole picture, and cannot draw it in parts")
+                        .help("choose a size that is drawn as a whole, or draw this with another node or slot"),
+                );
+            }
+        }
+        findings.into_result(())
     }
 
     /// A camera fitted to the graph's volumes.
@@ -352,8 +373,20 @@ impl Plan {
 #[expect(clippy::cast_possible_truncation, reason = "shaders compute in f32")]
 fn lens_members(view: &View) -> Uniform {
     let lens = view.lens();
+    let [size, corner, extent] =
+        [lens.size, lens.corner, lens.extent].map(|pixels| pixels.map(f64::from));
+    // From clip coordinates of the whole picture to those of the window; one and zeros where it is the whole.
+    let scale = [size[0] / extent[0], size[1] / extent[1]];
+    let shift = [
+        (size[0] - 2.0 * corner[0]) / extent[0] - 1.0,
+        1.0 - (size[1] - 2.0 * corner[1]) / extent[1],
+    ];
     vec![
         ("size", UniformValue::Vec2(lens.size.map(|n| n as f32))),
+        ("corner", UniformValue::Vec2(lens.corner.map(|n| n as f32))),
+        ("extent", UniformValue::Vec2(lens.extent.map(|n| n as f32))),
+        ("clip_scale", UniformValue::Vec2(scale.map(|n| n as f32))),
+        ("clip_shift", UniformValue::Vec2(shift.map(|n| n as f32))),
         (
             "half_extent",
             UniformValue::Vec2(lens.half_extent.map(|n| n as f32)),

@@ -210,6 +210,12 @@ impl NodeKind for Raycast {
         })
     }
 
+    fn draws_windows(&self, node: &NodeContext<'_>) -> bool {
+        // A bent ray may see any part of the picture behind.
+        let is_picture = ("beyond".to_owned(), "picture".to_owned());
+        !(node.imports_slot("beyond") && beyond_slots(node).contains(&is_picture))
+    }
+
     fn passes_follow_camera(&self) -> bool {
         true
     }

@@ -70,6 +70,11 @@ impl NodeKind for Reference {
         vec![tolerance_param()]
     }
 
+    // Its rays are those of a whole picture.
+    fn draws_windows(&self, _node: &NodeContext<'_>) -> bool {
+        false
+    }
+
     fn passes_follow_camera(&self) -> bool {
         true
     }

@@ -134,6 +134,11 @@ impl NodeKind for ShearWarp {
         self.memory.forget();
     }
 
+    // Its rays are those of a whole picture.
+    fn draws_windows(&self, _node: &NodeContext<'_>) -> bool {
+        false
+    }
+
     fn passes_follow_camera(&self) -> bool {
         true
     }

@@ -96,19 +96,43 @@ pub fn abandon_unfinished() {
     std::mem::forget(unfinished);
 }
 
+/// A file under another name in the same folder, which takes its own when it is whole and goes when it is dropped.
+pub(crate) struct Unfinished {
+    path: PathBuf,
+    temporary: PathBuf,
+}
+
+impl Unfinished {
+    /// Begins it.
+    pub(crate) fn create(path: &Path) -> io::Result<(Self, File)> {
+        let (temporary, file) = create_beside(path)?;
+        let path = path.to_path_buf();
+        Ok((Self { path, temporary }, file))
+    }
+
+    /// Gives it its name; `is_synced` waits for the disk before.
+    pub(crate) fn finish(self, file: &File, is_synced: bool) -> io::Result<()> {
+        if is_synced {
+            file.sync_all()?;
+        }
+        fs::rename(&self.temporary, &self.path)
+    }
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        // After the renaming there is none. An error before is the one to tell; a leftover that cannot be removed either
+        // has the same cause.
+        let _ = fs::remove_file(&self.temporary);
+        unfinished().remove(&self.temporary);
+    }
+}
+
 /// Writes under another name in the same folder, then renames; `is_synced` waits for the disk before.
 pub(crate) fn write_whole(path: &Path, bytes: &[u8], is_synced: bool) -> io::Result<()> {
-    let (temporary, mut file) = create_beside(path)?;
-    let written = file
-        .write_all(bytes)
-        .and_then(|()| if is_synced { file.sync_all() } else { Ok(()) })
-        .and_then(|()| fs::rename(&temporary, path));
-    if written.is_err() {
-        // The first error is the one to tell; a leftover that cannot be removed either has the same cause.
-        let _ = fs::remove_file(&temporary);
-    }
-    unfinished().remove(&temporary);
-    written
+    let (unfinished, mut file) = Unfinished::create(path)?;
+    file.write_all(bytes)?;
+    unfinished.finish(&file, is_synced)
 }
 
 fn create_beside(path: &Path) -> io::Result<(PathBuf, File)> {

@@ -3,7 +3,8 @@
 //! The way of the data: a renderer fills a [`Picture`] (linear, premultiplied, top row first).
 //! [`Picture::save`] encodes it in memory by the path's extension, writes that beside the target and renames
 //! it, so that nobody ever sees half a file, and says in a [`SaveReport`] what the format could not hold.
-//! [`Picture::load`] looks at a file's first bytes, judges the size that its header states, and decodes.
+//! [`Picture::load`] looks at a file's first bytes, judges the size that its header states, and decodes. A [`FilmFile`]
+//! takes picture after picture into one animated PNG or GIF, likewise whole or not there.
 //!
 //! | | PNG | EXR |
 //! | --- | --- | --- |
@@ -15,6 +16,7 @@
 mod error;
 mod exr_file;
 mod files;
+mod film_file;
 mod png_file;
 pub mod srgb;
 
@@ -23,12 +25,13 @@ use std::path::Path;
 
 pub use error::PictureError;
 pub use files::abandon_unfinished;
+pub use film_file::{FilmFile, FilmFormat};
 
 /// Prefix of the metadata's keys on disk.
 const KEY_PREFIX: &str = "volgraph:";
 
-/// Most pixels of a picture that is saved or loaded: 2²⁷, a colour buffer of 2 GiB.
-pub const MAX_PIXELS: u64 = 1 << 27;
+/// Most pixels of a picture that is saved or loaded: 2²⁸, a colour buffer of 4 GiB.
+pub const MAX_PIXELS: u64 = 1 << 28;
 
 /// Most pixels along one side of a picture that is saved or loaded.
 pub const MAX_SIDE: u32 = 1 << 16;

@@ -5,7 +5,7 @@
 //! An sRGB chunk says what the codes mean. In: palette, gray and low bits are expanded, codes are decoded with
 //! the same curve and multiplied by alpha. Alpha is linear in both directions.
 
-use std::io::{BufRead, Seek};
+use std::io::{BufRead, Seek, Write};
 
 use png::{
     BitDepth, ColorType, Compression, Decoder, Encoder, Limits, SrgbRenderingIntent,
@@ -29,10 +29,25 @@ pub(crate) fn encode(
     picture: &Picture,
     options: SaveOptions,
 ) -> Result<(Vec<u8>, SaveReport), String> {
-    let bits = options.png_bits;
-    let is_opaque = picture.color.iter().all(|color| color[3] >= OPAQUE);
-    let channels = if is_opaque { 3 } else { 4 };
-    let mut data = Vec::with_capacity(picture.color.len() * channels * 2);
+    let has_alpha = !is_opaque(picture);
+    let (data, report) = codes(picture, options.png_bits, has_alpha);
+    let bytes = write(picture, options, has_alpha, &data).map_err(|error| error.to_string())?;
+    Ok((bytes, report))
+}
+
+fn is_opaque(picture: &Picture) -> bool {
+    picture.color.iter().all(|color| color[3] >= OPAQUE)
+}
+
+/// The codes of all pixels, row by row, as PNG has them: RGB, or RGBA where alpha is asked for.
+pub(crate) fn codes(picture: &Picture, bits: PngBits, has_alpha: bool) -> (Vec<u8>, SaveReport) {
+    let is_opaque = is_opaque(picture);
+    let channels = if has_alpha { 4 } else { 3 };
+    let code_bytes = match bits {
+        PngBits::Eight => 1,
+        PngBits::Sixteen => 2,
+    };
+    let mut data = Vec::with_capacity(picture.color.len() * channels * code_bytes);
     let mut report = SaveReport::default();
     for &color in &picture.color {
         let (linear, alpha, pixel) = straight(color, is_opaque);
@@ -41,7 +56,7 @@ pub(crate) fn encode(
         match bits {
             PngBits::Eight => {
                 data.extend(linear.map(code_from_linear));
-                if !is_opaque {
+                if has_alpha {
                     data.push((alpha * 255.0).round() as u8);
                 }
             }
@@ -53,8 +68,7 @@ pub(crate) fn encode(
             }
         }
     }
-    let bytes = write(picture, options, is_opaque, &data).map_err(|error| error.to_string())?;
-    Ok((bytes, report))
+    (data, report)
 }
 
 struct PixelReport {
@@ -92,20 +106,34 @@ fn straight(color: [f32; 4], is_opaque: bool) -> ([f64; 3], f64, PixelReport) {
 fn write(
     picture: &Picture,
     options: SaveOptions,
-    is_opaque: bool,
+    has_alpha: bool,
     data: &[u8],
 ) -> Result<Vec<u8>, png::EncodingError> {
     let mut bytes = Vec::new();
-    let mut encoder = Encoder::new(&mut bytes, picture.width, picture.height);
-    encoder.set_color(if is_opaque {
-        ColorType::Rgb
-    } else {
-        ColorType::Rgba
-    });
+    let mut encoder = encoder(&mut bytes, picture, options.png_bits, has_alpha)?;
     if options.is_live {
         encoder.set_compression(Compression::Fast);
     }
-    encoder.set_depth(match options.png_bits {
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(data)?;
+    writer.finish()?;
+    Ok(bytes)
+}
+
+/// An encoder for the codes of a picture, with its metadata.
+pub(crate) fn encoder<W: Write>(
+    to: W,
+    picture: &Picture,
+    bits: PngBits,
+    has_alpha: bool,
+) -> Result<Encoder<'static, W>, png::EncodingError> {
+    let mut encoder = Encoder::new(to, picture.width, picture.height);
+    encoder.set_color(if has_alpha {
+        ColorType::Rgba
+    } else {
+        ColorType::Rgb
+    });
+    encoder.set_depth(match bits {
         PngBits::Eight => BitDepth::Eight,
         PngBits::Sixteen => BitDepth::Sixteen,
     });
@@ -113,10 +141,7 @@ fn write(
     for (key, value) in &picture.metadata {
         encoder.add_itxt_chunk(format!("{KEY_PREFIX}{key}"), value.clone())?;
     }
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(data)?;
-    writer.finish()?;
-    Ok(bytes)
+    Ok(encoder)
 }
 
 pub(crate) fn decode(reader: impl BufRead + Seek, file_len: u64) -> Result<Picture, String> {

@@ -1,6 +1,7 @@
 //! The arguments of all commands.
 
 mod accuracy;
+mod animate;
 mod authors;
 mod bench;
 mod chart;
@@ -15,6 +16,7 @@ use volgraph::{AdapterChoice, CameraDesc, Overrides, ParamOverride, ShaderFolder
 use volgraph_volume::ScalarType;
 
 pub use accuracy::{AdviseArgs, ReferenceArgs, StressArgs};
+pub use animate::AnimateArgs;
 pub use authors::{GalleryArgs, GraphsArgs, NewArgs, NewSlot, SetArgs, TestArgs, TransferArgs};
 pub use bench::BenchArgs;
 pub use chart::{ChartArgs, TruthChoice};
@@ -36,6 +38,11 @@ pub struct Args {
 pub enum Command {
     /// Render a graph into a picture.
     Render(RenderArgs),
+    /// Render a film of a graph: the camera goes around its target, or along a path of keys.
+    ///
+    /// Frames are numbered pictures in a folder, each as `volgraph render` saves it, or one animated PNG or GIF. An
+    /// interrupt leaves no half-written file.
+    Animate(AnimateArgs),
     /// Compute what a graph's picture should be, in float64 on the processor; no adapter is needed.
     Reference(ReferenceArgs),
     /// Say which step a graph asks for: by Carson's rule from the spectra of its volume and transfer function, and measured.
@@ -216,6 +223,10 @@ pub struct RenderArgs {
     /// The picture: .png, or .exr with depth, opacity and the graph's other outputs as layers.
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
+    /// Draw in tiles of at most so many pixels a side, which make the same picture. Pictures that are larger than the
+    /// adapter's textures are drawn so in any case.
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=1 << 16))]
+    pub tile: Option<u32>,
     /// Bits of each PNG component: 8 or 16.
     #[arg(long, value_name = "BITS", default_value = "8", value_parser = ["8", "16"])]
     pub png_bits: String,

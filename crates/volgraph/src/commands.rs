@@ -2,6 +2,7 @@
 
 mod adapters;
 mod advise;
+mod animate;
 mod bench;
 mod chart;
 mod check;
@@ -46,6 +47,7 @@ use crate::progress::Bars;
 pub fn run(command: Command) -> anyhow::Result<ExitCode> {
     match command {
         Command::Render(args) => render::run(&args),
+        Command::Animate(args) => animate::run(&args),
         Command::Reference(args) => reference::run(&args),
         Command::Advise(args) => advise::run(&args),
         Command::Stress(args) => stress::run(&args),

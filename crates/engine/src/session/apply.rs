@@ -314,7 +314,7 @@ impl Session {
     }
 
     /// Lets go of pipelines and modules that the current state does not use.
-    fn clean_up(&mut self) {
+    pub(super) fn clean_up(&mut self) {
         self.runner.keep(&self.state.installation, &self.state.view);
         let used: BTreeSet<[u8; 32]> = self
             .state

@@ -13,7 +13,8 @@ use volgraph::bench::{device_bytes, peak_resident_bytes};
 use volgraph::quality::{Chosen, achieved};
 use volgraph::truth::plan_without_device;
 use volgraph::{
-    Findings, Picture, Scene, Session, Truth, TruthOptions, list_adapters, metadata, open_beside,
+    Findings, FrameReport, Picture, Scene, Session, TILE_SIDE, Truth, TruthOptions,
+    has_to_be_tiled, list_adapters, metadata, open_beside,
 };
 use volgraph_gpu::GpuError;
 use volgraph_picture::{SaveOptions, SaveReport};
@@ -32,7 +33,7 @@ const TOLERANCE: f64 = 1e-6;
 pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
     check_output(&args.output)?;
     let start = Instant::now();
-    let options = session_options(&args.scene, Some(&args.output));
+    let mut options = session_options(&args.scene, Some(&args.output));
     let (scene, gpu) = open_beside(&options.adapter, || load(&args.scene));
     let scene = scene?;
     let inputs = scene.data.keys().chain([&scene.path]);
@@ -44,9 +45,25 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
         }
         Err(error) => return Err(error.into()),
     };
+    let size = args.scene.size;
+    let is_tiled = args.tile.is_some() || has_to_be_tiled(size, &options.limits(&gpu));
+    if is_tiled {
+        // Of the session itself nothing is drawn.
+        let side = args.tile.unwrap_or(TILE_SIDE);
+        options.size = size.map(|pixels| pixels.min(side));
+    }
     let mut session = Session::start(scene, gpu, &options)?;
     let ready = start.elapsed();
-    let (picture, report) = session.render()?;
+    let (picture, report) = if is_tiled {
+        let (picture, hazards) = draw_tiles(&mut session, size, args.tile)?;
+        let report = FrameReport {
+            hazards,
+            ..FrameReport::default()
+        };
+        (picture, report)
+    } else {
+        session.render()?
+    };
     let drawn = start.elapsed();
     let saved = save(args, &picture)?;
     if saved.nan_pixels > 0 {
@@ -57,7 +74,9 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
     }
     output::report_warnings(&report.hazards);
     let chosen = session.chosen();
-    let achieved = chosen.and_then(|_| achieved(session.plan(), session.view(), &picture));
+    let achieved = chosen
+        .filter(|_| !is_tiled)
+        .and_then(|_| achieved(session.plan(), session.view(), &picture));
     if args.json {
         output::print_json(&json!({
             "output": args.output.display().to_string(),
@@ -85,10 +104,28 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
             memory(&session, peak_resident_bytes())
         ));
         if let Some(chosen) = chosen {
-            output::print(&quality(chosen, achieved));
+            output::print(&if is_tiled {
+                format!("{chosen}; what was achieved is not known of a picture in tiles")
+            } else {
+                quality(chosen, achieved)
+            });
         }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Draws a picture tile by tile.
+fn draw_tiles(
+    session: &mut Session,
+    size: [u32; 2],
+    side: Option<u32>,
+) -> Result<(Picture, Findings), Findings> {
+    let bars = Bars::new();
+    let drawn = session.render_tiled(size, side, &mut |done, total| {
+        bars.count("drawing tiles", done as u64, total as u64);
+    });
+    bars.clear();
+    drawn
 }
 
 /// What was chosen for the graph's budget, and what came of it.

@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod animate;
 mod bad_input;
 mod bench;
 mod breaks;
