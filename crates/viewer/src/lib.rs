@@ -7,6 +7,7 @@
 //! render` gives. Panels are functions of what was told, and change nothing but by requests, so they are tested without
 //! a window. [`open`] brings both into a window that draws with the session's own device.
 
+mod export;
 mod histogram;
 mod looked;
 mod navigate;
@@ -26,4 +27,4 @@ pub use transfer::TransferEdit;
 pub use view::Shot;
 pub use viewer::Viewer;
 pub use window::open;
-pub use worker::{ErrorMap, Note, Request, Told, Worker, WorkerOptions};
+pub use worker::{ErrorMap, Note, Request, Told, Turntable, Worker, WorkerOptions};

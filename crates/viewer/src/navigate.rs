@@ -4,8 +4,8 @@
 //! height turns by 180°, and moves what lies at the pivot's depth by exactly the drag.
 
 use glam::{DQuat, DVec3};
-use volgraph_engine::Camera;
-use volgraph_graph::Projection;
+use volgraph_engine::{Camera, CameraDesc};
+use volgraph_graph::{Pose, Projection};
 
 /// Degrees of a turn for a drag over the height of the view.
 const TURN: f64 = 180.0;
@@ -62,8 +62,10 @@ impl Axis {
 pub struct Navigation {
     /// The camera.
     pub camera: Camera,
-    /// World position.
+    /// World position that it turns around.
     pub pivot: DVec3,
+    /// World position of the middle of all volumes.
+    pub middle: DVec3,
     /// Of a sphere around all volumes, world units.
     pub radius: f64,
 }
@@ -84,6 +86,7 @@ impl Navigation {
         Self {
             camera,
             pivot,
+            middle: pivot,
             radius: radius.max(f64::MIN_POSITIVE),
         }
     }
@@ -220,6 +223,22 @@ impl Navigation {
         self.camera.eye = self.pivot - self.camera.forward * distance;
     }
 
+    /// The camera as graph files describe one.
+    #[must_use]
+    pub fn described(&self) -> CameraDesc {
+        let camera = &self.camera;
+        CameraDesc {
+            pose: Pose::LookAt {
+                eye: camera.eye,
+                target: Some(
+                    camera.eye + camera.forward * self.distance().abs().max(NEAREST * self.radius),
+                ),
+            },
+            up: camera.up,
+            projection: camera.projection,
+        }
+    }
+
     /// Where a world position is seen: right and down from the middle, in heights of the view; `None` behind the eye.
     #[must_use]
     pub fn project(&self, position: DVec3) -> Option<[f64; 2]> {
@@ -331,6 +350,23 @@ mod tests {
                 let [right, down] = at.project(corner).unwrap();
                 assert!(right.abs() < 0.5 && down.abs() < 0.5);
             }
+        }
+    }
+
+    #[test]
+    fn a_described_camera_is_the_same_camera() {
+        let mut at = front();
+        at.orbit(0.3, -0.2);
+        at.roll(0.4);
+        let again = at
+            .described()
+            .fit(&[DVec3::splat(-1.0), DVec3::splat(1.0)], 1.0);
+        for (a, b) in [
+            (again.eye, at.camera.eye),
+            (again.up, at.camera.up),
+            (again.forward, at.camera.forward),
+        ] {
+            assert!(a.distance(b) < 1e-9);
         }
     }
 

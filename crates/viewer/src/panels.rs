@@ -3,5 +3,6 @@
 pub(crate) mod graph;
 pub(crate) mod messages;
 pub(crate) mod parameters;
+pub(crate) mod ray;
 pub(crate) mod slices;
 pub(crate) mod transfer;

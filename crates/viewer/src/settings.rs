@@ -22,17 +22,20 @@ pub enum Pane {
     Graph,
     /// Three planes through the volume.
     Slices,
+    /// What the ray of a pixel met.
+    Ray,
 }
 
 impl Pane {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::View,
         Self::Parameters,
         Self::Messages,
         Self::Transfer,
         Self::Graph,
         Self::Slices,
+        Self::Ray,
     ];
 
     /// The name on its tab.
@@ -45,6 +48,7 @@ impl Pane {
             Self::Transfer => "Transfer function",
             Self::Graph => "Graph",
             Self::Slices => "Slices",
+            Self::Ray => "Ray",
         }
     }
 }

@@ -33,7 +33,8 @@ pub(crate) struct View {
     pub navigation: Option<Navigation>,
     /// Whether the user has moved it.
     pub has_moved: bool,
-    size: [u32; 2],
+    /// Of the full picture.
+    pub size: [u32; 2],
     before: Option<(usize, TextureHandle)>,
     difference: Option<(usize, f32, TextureHandle)>,
     errors: Option<(usize, TextureHandle)>,
@@ -110,6 +111,23 @@ impl View {
                 painter.hline(at.x - 9.0..=at.x + 9.0, at.y, stroke);
                 painter.vline(at.x, at.y - 9.0..=at.y + 9.0, stroke);
             }
+        }
+        if let (None, Some(finding)) = (&told.shown, told.findings.sorted().first()) {
+            note(&painter, rect, &finding.message);
+        }
+        if response.clicked()
+            && let Some(at) = response.interact_pointer_pos()
+            && picture.contains(at)
+        {
+            if settings.overlay == Overlay::Error {
+                requests.push(Request::Compare);
+            }
+            let share = (at - picture.min) / picture.size();
+            let [width, height] = self.size.map(f64::from);
+            requests.push(Request::Ray([
+                f64::from(share.x) * width,
+                f64::from(share.y) * height,
+            ]));
         }
         if settings.has_color_bar {
             color_bar(&painter, picture, told);
@@ -336,8 +354,8 @@ impl View {
     }
 }
 
-fn keys(ui: &Ui, rect: Rect, navigation: &mut Navigation, settings: &mut Settings) {
-    let middle = navigation.pivot;
+fn keys(ui: &Ui, rect: Rect, navigation: &mut Navigation, settings: &Settings) {
+    let middle = navigation.middle;
     let aspect = f64::from(rect.width() / rect.height().max(1.0));
     ui.input(|input| {
         if input.modifiers.command || input.modifiers.alt {
@@ -361,9 +379,6 @@ fn keys(ui: &Ui, rect: Rect, navigation: &mut Navigation, settings: &mut Setting
         }
         if input.key_pressed(Key::O) {
             navigation.toggle_orthographic();
-        }
-        if input.key_pressed(Key::W) && !settings.is_walking && !input.key_down(Key::W) {
-            settings.is_walking = true;
         }
         if !settings.is_walking {
             let turn = f64::from(input.stable_dt.min(0.1)) * 0.5;

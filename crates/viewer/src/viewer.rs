@@ -1,25 +1,27 @@
 //! The interface: menus, keys, panels, and the requests that come of them.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use egui::{Key, KeyboardShortcut, Modifiers, Ui};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, Tiles, Tree, UiResponse};
 
+use crate::export::Export;
 use crate::histogram::{Histograms, first_volume};
 use crate::navigate::Axis;
 use crate::panels::graph::GraphPanel;
 use crate::panels::slices::SlicesPanel;
 use crate::panels::transfer::TransferSight;
-use crate::panels::{messages, parameters, transfer};
+use crate::panels::{messages, parameters, ray, transfer};
 use crate::settings::{Overlay, Pane, Settings};
 use crate::transfer::TransferEdit;
 use crate::view::{Shot, View};
 use crate::worker::{Request, Told, Worker};
+use crate::write_back;
 
 const UNDO_HINT: &str = "Ctrl+Z and Ctrl+Shift+Z over the transfer function";
 
 /// Keys, and what they do.
-const KEYS: [(&str, &str); 19] = [
+const KEYS: [(&str, &str); 20] = [
     ("drag", "orbit (look around while walking)"),
     ("Shift + drag, middle drag", "pan"),
     ("wheel, right drag", "zoom (walk while walking)"),
@@ -35,6 +37,7 @@ const KEYS: [(&str, &str); 19] = [
     ("Alt + hover", "numbers of a pixel"),
     ("Space", "pause: files are not followed"),
     ("Enter", "read the files again and draw one frame"),
+    ("click", "the ray of that pixel, in the panel Ray"),
     ("B", "before and after the last change; drag the bar"),
     ("C", "compare a small picture with its reference"),
     ("P", "save the picture"),
@@ -53,8 +56,7 @@ pub struct Viewer {
     is_budget_given: bool,
     is_help_open: bool,
     message: Option<String>,
-    /// The picture before the wipe or comparison was turned on.
-    asked_for: Option<PathBuf>,
+    export: Export,
 }
 
 /// What panels remember.
@@ -65,6 +67,8 @@ struct Panels {
     slices: SlicesPanel,
     transfer: Option<TransferEdit>,
     histograms: Histograms,
+    /// The study that the slices followed last.
+    followed: usize,
 }
 
 impl Viewer {
@@ -79,7 +83,7 @@ impl Viewer {
             panels: Panels::default(),
             is_help_open: false,
             message: None,
-            asked_for: None,
+            export: Export::default(),
         }
     }
 
@@ -154,6 +158,7 @@ impl Viewer {
         egui::Panel::top("menu").show(ui, |ui| self.menu(ui, &mut requests));
         {
             let told = self.worker.told();
+            self.panels.follow_ray(&told);
             let mut panes = Panes {
                 told: &told,
                 shot,
@@ -251,7 +256,7 @@ impl Viewer {
             self.ask_for_file();
         }
         if pressed(Modifiers::COMMAND, Key::S) {
-            self.write_back();
+            self.write_back(false, None);
         }
         if pressed(Modifiers::NONE, Key::F1) {
             self.is_help_open = !self.is_help_open;
@@ -317,7 +322,7 @@ impl Viewer {
             if !told.findings.is_empty() {
                 ui.colored_label(
                     ui.visuals().error_fg_color,
-                    format!("⚠ {}", told.findings.len()),
+                    format!("{} wrong", told.findings.len()),
                 );
             }
             if told.is_busy {
@@ -355,10 +360,27 @@ impl Viewer {
         });
         ui.separator();
         if ui.button("Write changes into the graph file").clicked() {
-            self.write_back();
+            self.write_back(false, None);
         }
+        if ui
+            .button("Write changes and camera into the graph file")
+            .clicked()
+        {
+            self.write_back(true, None);
+        }
+        if ui.button("Write into another graph file…").clicked()
+            && let Some(file) = rfd::FileDialog::new()
+                .add_filter("graph", &["ron"])
+                .save_file()
+        {
+            self.write_back(true, Some(&file));
+        }
+        ui.separator();
         if ui.button("Save the picture…").clicked() {
             self.save_picture();
+        }
+        if ui.button("Picture of any size, film…").clicked() {
+            self.export.is_open = true;
         }
         ui.separator();
         if ui.button("Quit").clicked() {
@@ -370,11 +392,7 @@ impl Viewer {
         let mut moved = false;
         if let Some(navigation) = &mut self.panels.view.navigation {
             if ui.button("Fit").clicked() {
-                let corners = self.worker.told().plan.as_ref().map(|plan| plan.corners());
-                let middle = corners.map_or(navigation.pivot, |corners| {
-                    crate::navigate::Navigation::new(navigation.camera, &corners).pivot
-                });
-                navigation.fit(middle, 1.0);
+                navigation.fit(navigation.middle, 1.0);
                 moved = true;
             }
             if ui.button("Parallel or perspective").clicked() {
@@ -438,6 +456,9 @@ impl Viewer {
                     });
                 ui.weak(UNDO_HINT);
             });
+        if let Some(request) = self.export.show(ui, self.panels.view.navigation.as_ref()) {
+            self.worker.ask(request);
+        }
         if let Some(message) = self.message.clone() {
             let mut is_open = true;
             egui::Window::new("Note")
@@ -471,7 +492,7 @@ impl Viewer {
         let dialog = rfd::FileDialog::new()
             .add_filter("picture", &["png", "exr"])
             .set_file_name("volgraph.png");
-        let Some(file) = self.asked_for.take().or_else(|| dialog.save_file()) else {
+        let Some(file) = dialog.save_file() else {
             return;
         };
         if let Err(error) = picture.save(&file, Default::default()) {
@@ -479,18 +500,16 @@ impl Viewer {
         }
     }
 
-    fn write_back(&mut self) {
-        let told = self.worker.told();
-        let Some(scene) = told.scene.clone() else {
+    /// Writes what was set, and the camera where asked for, into the graph's own file or another one.
+    fn write_back(&mut self, with_camera: bool, to: Option<&Path>) {
+        let Some(scene) = self.worker.told().scene.clone() else {
             return;
         };
-        drop(told);
-        self.message = Some(
-            match crate::write_back::write(&scene, self.panels.transfer.as_mut()) {
-                Ok(text) => text,
-                Err(findings) => findings.to_string(),
-            },
-        );
+        let navigation = self.panels.view.navigation.filter(|_| with_camera);
+        let camera = navigation.map(|navigation| navigation.described());
+        let to = to.unwrap_or(&scene.path);
+        let written = write_back::write(&scene, self.panels.transfer.as_ref(), camera, to);
+        self.message = Some(written.unwrap_or_else(|findings| findings.to_string()));
     }
 }
 
@@ -562,12 +581,31 @@ impl Panes<'_> {
                     Vec::new()
                 }
                 Pane::Transfer => panels.transfer(ui, told, self.settings),
+                Pane::Ray => {
+                    ray::show(ui, told);
+                    Vec::new()
+                }
             };
         self.requests.extend(asked);
     }
 }
 
 impl Panels {
+    /// The crosshair of the slices goes to where the studied ray met most.
+    fn follow_ray(&mut self, told: &Told) {
+        let Some(Ok(study)) = &told.ray else {
+            return;
+        };
+        let key = std::sync::Arc::as_ptr(study) as usize;
+        let place = study.hit.as_ref().or(study.strongest.as_ref());
+        if let (true, Some(probe), Some(scene)) = (self.followed != key, place, &told.scene)
+            && let Some((_, digest, volume)) = first_volume(scene)
+        {
+            self.slices.go_to(digest, &volume, probe.world.into());
+        }
+        self.followed = key;
+    }
+
     fn transfer(&mut self, ui: &mut Ui, told: &Told, settings: &mut Settings) -> Vec<Request> {
         let Some(scene) = &told.scene else {
             ui.weak("No graph is open.");
@@ -600,8 +638,9 @@ fn default_layout() -> Tree<Pane> {
         pane(Pane::Parameters),
         pane(Pane::Messages),
     );
-    let (transfer, graph, slices) = (pane(Pane::Transfer), pane(Pane::Graph), pane(Pane::Slices));
-    let below = tiles.insert_tab_tile(vec![transfer, messages, graph, slices]);
+    let (transfer, graph) = (pane(Pane::Transfer), pane(Pane::Graph));
+    let (slices, ray) = (pane(Pane::Slices), pane(Pane::Ray));
+    let below = tiles.insert_tab_tile(vec![transfer, messages, graph, slices, ray]);
     let left = tiles.insert_vertical_tile(vec![view, below]);
     let right = tiles.insert_tab_tile(vec![parameters]);
     let root = tiles.insert_horizontal_tile(vec![left, right]);

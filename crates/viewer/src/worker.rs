@@ -4,6 +4,7 @@
 //! last. A camera that moves is drawn at the share of the full size that the budget allows by the last frames' times;
 //! when it stands still, first at half and then at the full size, with requests looked at in between.
 
+mod export;
 mod follow;
 mod told;
 
@@ -15,11 +16,12 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use volgraph_engine::{
-    Camera, CameraDesc, Change, Findings, Gpu, LOOK, Outcome, ParamOverride, Refused, Session,
-    SessionOptions,
+    Camera, CameraDesc, Change, Findings, Gpu, LOOK, Outcome, ParamOverride, RayStudy, Refused,
+    Session, SessionOptions,
 };
 use volgraph_watch::{FileWatch, WatchOptions};
 
+pub use export::Turntable;
 pub use told::{ErrorMap, Note, Told};
 
 use crate::looked::Looked;
@@ -52,6 +54,17 @@ pub enum Request {
     Look(Option<String>),
     /// Compares a small picture with its reference.
     Compare,
+    /// Studies the ray of a pixel of the full picture: column and row from the top left.
+    Ray([f64; 2]),
+    /// Saves the present view in any size, in tiles where it has to be.
+    Save {
+        /// A .png or .exr.
+        file: PathBuf,
+        /// Width and height in pixels.
+        size: [u32; 2],
+    },
+    /// Draws a film.
+    Film(Turntable),
     /// Whether files are not followed and nothing is drawn until asked.
     Pause(bool),
     /// Reads the files again and draws, paused or not.
@@ -126,6 +139,8 @@ impl Worker {
             moved: None,
             ms_per_pixel: None,
             comparing: None,
+            studying: None,
+            to_study: None,
         };
         let thread = std::thread::Builder::new()
             .name("volgraph drawing".to_owned())
@@ -192,6 +207,9 @@ struct Work {
     /// By the last frames.
     ms_per_pixel: Option<f64>,
     comparing: Option<JoinHandle<Result<ErrorMap, Findings>>>,
+    studying: Option<JoinHandle<Result<RayStudy, Findings>>>,
+    /// The pixel to study next.
+    to_study: Option<[f64; 2]>,
 }
 
 /// Requests that came together.
@@ -205,6 +223,9 @@ struct Asked {
     described: Option<CameraDesc>,
     size: Option<[u32; 2]>,
     compare: bool,
+    ray: Option<[f64; 2]>,
+    saves: Vec<(PathBuf, [u32; 2])>,
+    films: Vec<Turntable>,
     frame: bool,
 }
 
@@ -232,6 +253,7 @@ impl Work {
             self.refine();
             self.look_after_device();
             self.take_comparison();
+            self.take_study();
         }
     }
 
@@ -260,6 +282,9 @@ impl Work {
             Request::Files(files) => asked.files.extend(files),
             Request::Look(port) => asked.look = Some(port),
             Request::Compare => asked.compare = true,
+            Request::Save { file, size } => asked.saves.push((file, size)),
+            Request::Film(turntable) => asked.films.push(turntable),
+            Request::Ray(pixel) => asked.ray = Some(pixel),
             Request::Pause(is_paused) => {
                 self.is_paused = is_paused;
                 self.tell(|told| told.is_paused = is_paused);
@@ -304,6 +329,15 @@ impl Work {
         }
         if asked.compare {
             self.compare();
+        }
+        if let Some(pixel) = asked.ray {
+            self.study(pixel);
+        }
+        for (file, size) in asked.saves {
+            self.save(&file, size);
+        }
+        for turntable in asked.films {
+            self.film(&turntable);
         }
     }
 
@@ -356,6 +390,7 @@ impl Work {
                 self.arm_with(unopened.dependencies);
                 self.session = None;
                 self.tell(|told| {
+                    told.reading = None;
                     told.findings = unopened.findings;
                     told.is_busy = false;
                 });

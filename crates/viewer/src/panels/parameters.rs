@@ -104,37 +104,69 @@ fn slots(ui: &mut Ui, scene: &Scene, node: &Node, sets: &mut Vec<ParamOverride>)
     }
 }
 
+/// What the shaders declare, then, folded in, what only the node kind's own code reads.
 fn params(ui: &mut Ui, node: &Node, sets: &mut Vec<ParamOverride>) {
-    for spec in node.specs() {
-        let Some(value) = node.params.get(&spec.name) else {
-            continue;
-        };
-        ui.horizontal(|ui| {
-            let is_given = node.given.contains_key(&spec.name);
-            let name = if is_given {
-                egui::RichText::new(&spec.name).strong()
-            } else {
-                egui::RichText::new(&spec.name)
-            };
-            let label = ui.label(name).on_hover_text(hint(&spec));
-            let mut changed = value.clone();
-            if control(ui, &spec, &mut changed, label.id) && changed != *value {
-                set(&node.name, &spec.name, &changed, sets);
+    let of_kind = node.kind().map(|kind| kind.params()).unwrap_or_default();
+    let (own, declared): (Vec<ParamSpec>, Vec<ParamSpec>) = node
+        .specs()
+        .into_iter()
+        .partition(|spec| of_kind.iter().any(|other| other.name == spec.name));
+    for spec in declared.iter().filter(|spec| is_counted(node, spec)) {
+        param(ui, node, spec, sets);
+    }
+    if own.is_empty() {
+        return;
+    }
+    egui::CollapsingHeader::new("Settings")
+        .id_salt(("settings", &node.name))
+        .default_open(declared.is_empty())
+        .show(ui, |ui| {
+            for spec in &own {
+                param(ui, node, spec, sets);
             }
-            if let Some(unit) = &spec.unit {
-                ui.weak(unit);
-            }
-            if is_given
-                && *value != spec.default
-                && ui
-                    .small_button("⟲")
-                    .on_hover_text(format!("Back to {}", spec.default))
-                    .clicked()
+        });
+}
+
+/// Whether a numbered parameter (`light_2_color`) is one of as many as another one says (`lights`).
+fn is_counted(node: &Node, spec: &ParamSpec) -> bool {
+    let mut words = spec.name.split('_');
+    let (Some(thing), Some(number)) = (words.next(), words.next()) else {
+        return true;
+    };
+    let (Ok(number), Some(ParamValue::Int(count))) =
+        (number.parse::<i64>(), node.params.get(&format!("{thing}s")))
+    else {
+        return true;
+    };
+    number <= *count || node.given.contains_key(&spec.name)
+}
+
+fn param(ui: &mut Ui, node: &Node, spec: &ParamSpec, sets: &mut Vec<ParamOverride>) {
+    let Some(value) = node.params.get(&spec.name) else {
+        return;
+    };
+    ui.horizontal(|ui| {
+        let is_given = node.given.contains_key(&spec.name);
+        let name = egui::RichText::new(&spec.name);
+        let name = if is_given { name.strong() } else { name };
+        let label = ui.label(name).on_hover_text(hint(spec));
+        let mut changed = value.clone();
+        if control(ui, spec, &mut changed, label.id) && changed != *value {
+            set(&node.name, &spec.name, &changed, sets);
+        }
+        if let Some(unit) = &spec.unit {
+            ui.weak(unit);
+        }
+        if is_given && *value != spec.default {
+            let back = ui.small_button("default");
+            if back
+                .on_hover_text(format!("Back to {}", spec.default))
+                .clicked()
             {
                 set(&node.name, &spec.name, &spec.default, sets);
             }
-        });
-    }
+        }
+    });
 }
 
 fn hint(spec: &ParamSpec) -> String {

@@ -35,15 +35,31 @@ impl SlicesPanel {
         is_there.then(|| volume.grid().world_from_index.transform_point3(self.index))
     }
 
-    pub fn show(&mut self, ui: &mut Ui, digest: Digest, volume: &Volume) {
-        let dims = volume.grid().dims;
+    /// Moves the crosshair to a world position, as of a hit in the view.
+    pub fn go_to(&mut self, digest: Digest, volume: &Volume, world: DVec3) {
+        self.begin(digest, volume);
+        let index = volume
+            .grid()
+            .world_from_index
+            .inverse()
+            .transform_point3(world);
+        let last = DVec3::from_array(volume.grid().dims.map(|n| f64::from(n - 1)));
+        self.index = index.clamp(DVec3::ZERO, last);
+    }
+
+    fn begin(&mut self, digest: Digest, volume: &Volume) {
         if self.of != Some(digest) {
             *self = Self {
                 of: Some(digest),
-                index: DVec3::from_array(dims.map(|n| f64::from(n / 2))),
+                index: DVec3::from_array(volume.grid().dims.map(|n| f64::from(n / 2))),
                 ..Self::default()
             };
         }
+    }
+
+    pub fn show(&mut self, ui: &mut Ui, digest: Digest, volume: &Volume) {
+        let dims = volume.grid().dims;
+        self.begin(digest, volume);
         let statistics = volume.statistics();
         let data = statistics.range().unwrap_or((0.0, 1.0));
         let window = self

@@ -1,8 +1,11 @@
 //! The transfer function over the histogram: points to drag, colours, colour maps, undo and redo, reading and saving.
 
+use std::path::Path;
+
 use egui::{
     Color32, ComboBox, DragValue, Key, Modifiers, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2,
 };
+use volgraph_engine::presets::presets;
 use volgraph_optics::{ControlPoint, TransferFunction, color_map_names};
 use volgraph_volume::Volume;
 
@@ -120,6 +123,23 @@ fn bar(
             };
             requests.extend(edit.change(changed));
         }
+        let label = ui.label("Preset");
+        let menu = ComboBox::from_id_salt("preset")
+            .selected_text("…")
+            .show_ui(ui, |ui| {
+                for preset in presets() {
+                    if ui.button(preset.name).on_hover_text(preset.shows).clicked() {
+                        let text = preset
+                            .text(sight.volume)
+                            .map_err(volgraph_engine::Findings::from);
+                        let changed = text.and_then(|text| {
+                            TransferFunction::parse(Path::new(preset.name), &text)
+                        });
+                        requests.extend(edit.change(changed));
+                    }
+                }
+            });
+        menu.response.labelled_by(label.id);
         if ui.button("Load…").clicked()
             && let Some(file) = rfd::FileDialog::new()
                 .add_filter("transfer function", &["ron"])

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use volgraph_engine::verify::integral_truth;
 use volgraph_engine::{
-    Change, Dependencies, Findings, Scene, Session, SessionOptions, TruthOptions, View,
+    Change, Dependencies, Findings, RayOptions, RayTracer, Scene, Session, SessionOptions,
+    TruthOptions, View,
 };
 use volgraph_report::Finding;
 
@@ -47,6 +48,49 @@ impl Work {
                 self.tell(|told| told.is_comparing = true);
             }
             Err(error) => self.tell(|told| told.error_map = Some(Err(refused(&error.to_string())))),
+        }
+    }
+
+    /// Starts to study the ray of a pixel of the full picture, beside the drawing; of those asked for meanwhile the last
+    /// one is next.
+    pub(super) fn study(&mut self, pixel: [f64; 2]) {
+        let Some(session) = &self.session else {
+            return;
+        };
+        if self.studying.is_some() {
+            self.to_study = Some(pixel);
+            return;
+        }
+        let view = View {
+            size: self.full,
+            ..*session.view()
+        };
+        let tracer = RayTracer::of(session);
+        let studied = std::thread::Builder::new()
+            .name("volgraph ray".to_owned())
+            .spawn(move || tracer?.study(&view, pixel, &RayOptions::default()));
+        match studied {
+            Ok(thread) => {
+                self.studying = Some(thread);
+                self.tell(|told| told.is_studying = true);
+            }
+            Err(error) => self.tell(|told| told.ray = Some(Err(refused(&error.to_string())))),
+        }
+    }
+
+    pub(super) fn take_study(&mut self) {
+        let Some(thread) = self.studying.take_if(|thread| thread.is_finished()) else {
+            return;
+        };
+        let studied = thread
+            .join()
+            .unwrap_or_else(|_| Err(refused("the walk along the ray failed")));
+        self.tell(|told| {
+            told.is_studying = false;
+            told.ray = Some(studied.map(Arc::new));
+        });
+        if let Some(pixel) = self.to_study.take() {
+            self.study(pixel);
         }
     }
 

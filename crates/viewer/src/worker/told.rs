@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use volgraph_engine::quality::Chosen;
 use volgraph_engine::{
-    Camera, Change, ChangeReport, Findings, FrameReport, Gpu, Picture, Plan, Scene, Shown,
-    SourceProgress,
+    Camera, Change, ChangeReport, Findings, FrameReport, Gpu, Picture, Plan, RayStudy, Scene,
+    Shown, SourceProgress,
 };
 
 use super::{Wake, locked};
@@ -55,6 +55,10 @@ pub struct Told {
     pub error_map: Option<Result<Arc<ErrorMap>, Findings>>,
     /// Whether one is being made.
     pub is_comparing: bool,
+    /// The ray that was studied last.
+    pub ray: Option<Result<Arc<RayStudy>, Findings>>,
+    /// Whether one is being studied.
+    pub is_studying: bool,
     /// Whether something is being applied.
     pub is_busy: bool,
     /// Whether files are not followed.
@@ -86,6 +90,7 @@ impl Told {
         self.report = None;
         self.looked = None;
         self.error_map = None;
+        self.ray = None;
         self.reading = None;
     }
 }
