@@ -8,8 +8,10 @@
 //! a window. [`open`] brings both into a window that draws with the session's own device.
 
 mod export;
+mod handles;
 mod histogram;
 mod looked;
+mod measure;
 mod navigate;
 mod panels;
 mod settings;
@@ -21,10 +23,11 @@ mod worker;
 mod write_back;
 
 pub use looked::{Looked, LookedPlane};
+pub use measure::Measured;
 pub use navigate::{Axis, Navigation};
 pub use settings::{Pane, Settings};
 pub use transfer::TransferEdit;
 pub use view::Shot;
 pub use viewer::Viewer;
-pub use window::open;
+pub use window::{measure, open};
 pub use worker::{ErrorMap, Note, Request, Told, Turntable, Worker, WorkerOptions};

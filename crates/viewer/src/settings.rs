@@ -91,6 +91,8 @@ pub struct Settings {
     pub has_scale_bar: bool,
     /// Whether the axes are marked.
     pub has_marker: bool,
+    /// Whether clip shapes are dragged in the view.
+    pub has_handles: bool,
     /// Whether a bar tells what colour stands for what value.
     pub has_color_bar: bool,
     /// Whether the mouse looks around and keys walk.
@@ -111,6 +113,7 @@ impl Default for Settings {
             resolution: 1.0,
             has_scale_bar: true,
             has_marker: true,
+            has_handles: true,
             has_color_bar: false,
             is_walking: false,
             overlay: Overlay::None,

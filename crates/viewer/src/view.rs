@@ -9,6 +9,8 @@ use egui::{
 use glam::DVec3;
 use volgraph_engine::Picture;
 
+use crate::handles;
+use crate::histogram::first_volume;
 use crate::navigate::{Axis, Navigation};
 use crate::panels::transfer::srgb;
 use crate::settings::{Overlay, Settings};
@@ -35,6 +37,8 @@ pub(crate) struct View {
     pub has_moved: bool,
     /// Of the full picture.
     pub size: [u32; 2],
+    /// Where it does not follow the window.
+    pub fixed_size: Option<[u32; 2]>,
     before: Option<(usize, TextureHandle)>,
     difference: Option<(usize, f32, TextureHandle)>,
     errors: Option<(usize, TextureHandle)>,
@@ -112,6 +116,12 @@ impl View {
                 painter.vline(at.x, at.y - 9.0..=at.y + 9.0, stroke);
             }
         }
+        let volume = told.scene.as_ref().and_then(first_volume);
+        if let (Some(navigation), Some(plan), Some((_, _, volume)), true) =
+            (&self.navigation, &told.plan, volume, settings.has_handles)
+        {
+            requests.extend(handles::show(ui, picture, navigation, plan, volume.grid()));
+        }
         if let (None, Some(finding)) = (&told.shown, told.findings.sorted().first()) {
             note(&painter, rect, &finding.message);
         }
@@ -151,6 +161,7 @@ impl View {
             pixels.x.round().max(1.0) as u32,
             pixels.y.round().max(1.0) as u32,
         ];
+        let size = self.fixed_size.unwrap_or(size);
         if size != self.size {
             self.size = size;
             requests.push(Request::Size(size));

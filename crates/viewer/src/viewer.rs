@@ -142,6 +142,22 @@ impl Viewer {
         &self.layout
     }
 
+    /// Turns the camera, in heights of the view.
+    pub fn orbit(&mut self, right: f64, down: f64) {
+        if let Some(navigation) = &mut self.panels.view.navigation {
+            navigation.orbit(right, down);
+            self.panels.view.has_moved = true;
+            self.worker.ask(Request::Camera(navigation.camera));
+        }
+    }
+
+    /// Draws pictures of this size, however large the view is.
+    #[must_use]
+    pub fn with_size(mut self, size: [u32; 2]) -> Self {
+        self.panels.view.fixed_size = Some(size);
+        self
+    }
+
     /// Brings a panel to the front.
     pub fn bring(&mut self, pane: Pane) {
         if let Some(tile) = self.layout.tiles.find_pane(&pane) {
@@ -426,6 +442,7 @@ impl Viewer {
         ui.checkbox(&mut settings.has_scale_bar, "Scale bar");
         ui.checkbox(&mut settings.has_marker, "Axes");
         ui.checkbox(&mut settings.has_color_bar, "Colour bar");
+        ui.checkbox(&mut settings.has_handles, "Handles of clip shapes");
         let budget = egui::Slider::new(&mut settings.budget_ms, 5.0..=500.0)
             .logarithmic(true)
             .text("ms while moving");
@@ -551,41 +568,38 @@ impl Behavior<Pane> for Panes<'_> {
 impl Panes<'_> {
     fn pane(&mut self, ui: &mut Ui, pane: Pane) {
         let (told, panels) = (self.told, &mut *self.panels);
-        let asked =
-            match pane {
-                Pane::View => {
-                    let crosshair = told.scene.as_ref().and_then(first_volume).and_then(
-                        |(_, digest, volume)| {
-                            let world = panels.slices.crosshair(digest, &volume)?;
-                            let origin = told.plan.as_ref()?.graph.origin();
-                            Some(world - origin)
-                        },
-                    );
-                    panels
-                        .view
-                        .show(ui, told, self.shot, self.settings, crosshair)
-                }
-                Pane::Parameters => parameters::show(ui, told),
-                Pane::Messages => {
-                    messages::show(ui, told);
-                    Vec::new()
-                }
-                Pane::Graph => panels.graph.show(ui, told),
-                Pane::Slices => {
-                    match told.scene.as_ref().and_then(first_volume) {
-                        Some((_, digest, volume)) => panels.slices.show(ui, digest, &volume),
-                        None => {
-                            ui.weak("The graph has no volume.");
-                        }
+        let asked = match pane {
+            Pane::View => {
+                let crosshair = told
+                    .scene
+                    .as_ref()
+                    .and_then(first_volume)
+                    .and_then(|(_, digest, volume)| panels.slices.crosshair(digest, &volume));
+                panels
+                    .view
+                    .show(ui, told, self.shot, self.settings, crosshair)
+            }
+            Pane::Parameters => parameters::show(ui, told),
+            Pane::Messages => {
+                messages::show(ui, told);
+                Vec::new()
+            }
+            Pane::Graph => panels.graph.show(ui, told),
+            Pane::Slices => {
+                match told.scene.as_ref().and_then(first_volume) {
+                    Some((_, digest, volume)) => panels.slices.show(ui, digest, &volume),
+                    None => {
+                        ui.weak("The graph has no volume.");
                     }
-                    Vec::new()
                 }
-                Pane::Transfer => panels.transfer(ui, told, self.settings),
-                Pane::Ray => {
-                    ray::show(ui, told);
-                    Vec::new()
-                }
-            };
+                Vec::new()
+            }
+            Pane::Transfer => panels.transfer(ui, told, self.settings),
+            Pane::Ray => {
+                ray::show(ui, told);
+                Vec::new()
+            }
+        };
         self.requests.extend(asked);
     }
 }

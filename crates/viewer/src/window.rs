@@ -5,11 +5,13 @@
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupExisting};
 use volgraph_engine::{Findings, Gpu};
 use volgraph_report::Finding;
 
+use crate::measure::{Measured, Measurement};
 use crate::settings::Settings;
 use crate::view::Shot;
 use crate::viewer::Viewer;
@@ -23,26 +25,59 @@ const APP: &str = "volgraph";
 /// # Errors
 /// `no-window` where there is no display, and why no device could be opened.
 pub fn open(options: WorkerOptions) -> Result<(), Findings> {
+    open_with(options, None).map(|_| ())
+}
+
+/// Opens the window, orbits for so long with pictures of the session's size, closes it and says how fluent that was.
+///
+/// # Errors
+/// As [`open`].
+pub fn measure(options: WorkerOptions, length: Duration) -> Result<Measured, Findings> {
+    let measured = open_with(options, Some(length))?;
+    measured.ok_or_else(|| {
+        Finding::error(
+            "not-measured",
+            "the window was closed before it was measured",
+        )
+        .into()
+    })
+}
+
+fn open_with(
+    options: WorkerOptions,
+    length: Option<Duration>,
+) -> Result<Option<Measured>, Findings> {
     check_display()?;
     let mut gpu = Arc::new(Gpu::open(&options.session.adapter)?);
     let (graph, budget) = (options.graph.clone(), options.budget);
+    let size = options.session.size;
     let worker = Worker::start_on(options, Arc::clone(&gpu)).map_err(|error| -> Findings {
         Finding::error("no-thread", format!("no thread can be started: {error}")).into()
     })?;
     let mut viewer = Viewer::new(worker, Settings::default());
+    if length.is_some() {
+        viewer = viewer.with_size(size);
+    }
     if let Some(budget) = budget {
         viewer = viewer.with_budget(budget);
     }
     let kept: Kept = Arc::new(Mutex::new(Some(viewer)));
     let mut is_first = true;
+    let measured = Arc::new(Mutex::new(None));
     loop {
         let next = Arc::new(Mutex::new(None));
-        run(&gpu, &kept, &next, is_first.then_some(&*graph))?;
+        let measurement = length.map(|length| (Measurement::new(length), Arc::clone(&measured)));
+        run(&gpu, &kept, &next, is_first.then_some(&*graph), measurement)?;
         is_first = false;
         let reopened = next.lock().unwrap_or_else(PoisonError::into_inner).take();
         match reopened {
             Some(other) => gpu = other,
-            None => return Ok(()),
+            None => {
+                return Ok(measured
+                    .lock()
+                    .unwrap_or_else(PoisonError::into_inner)
+                    .take());
+            }
         }
     }
 }
@@ -71,6 +106,7 @@ fn run(
     kept: &Kept,
     next: &Arc<Mutex<Option<Arc<Gpu>>>>,
     first: Option<&Path>,
+    measurement: Option<(Measurement, Arc<Mutex<Option<Measured>>>)>,
 ) -> Result<(), Findings> {
     let shared = gpu.shared();
     let setup = WgpuSetup::Existing(WgpuSetupExisting {
@@ -121,6 +157,7 @@ fn run(
                 next,
                 gpu,
                 shot: None,
+                measurement,
             }))
         }),
     );
@@ -134,6 +171,8 @@ struct Window {
     gpu: Arc<Gpu>,
     /// The picture that the interface knows, by its serial.
     shot: Option<(u64, Shot)>,
+    /// What is measured, and where the result goes.
+    measurement: Option<(Measurement, Arc<Mutex<Option<Measured>>>)>,
 }
 
 impl Window {
@@ -187,8 +226,17 @@ impl eframe::App for Window {
         }
         self.take_picture(frame);
         let shot = self.shot.map(|(_, shot)| shot);
-        if let Some(viewer) = &mut self.viewer {
-            viewer.show(ui, shot);
+        let Some(viewer) = &mut self.viewer else {
+            return;
+        };
+        let start = Instant::now();
+        viewer.show(ui, shot);
+        if let Some((measurement, result)) = &mut self.measurement {
+            ui.ctx().request_repaint();
+            if let Some(measured) = measurement.step(viewer, start.elapsed()) {
+                *result.lock().unwrap_or_else(PoisonError::into_inner) = Some(measured);
+                ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
+            }
         }
     }
 

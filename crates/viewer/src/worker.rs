@@ -137,6 +137,7 @@ impl Worker {
             watch: FileWatch::new(WatchOptions::default()),
             is_paused: false,
             moved: None,
+            is_kept_later: false,
             ms_per_pixel: None,
             comparing: None,
             studying: None,
@@ -204,6 +205,8 @@ struct Work {
     is_paused: bool,
     /// When the camera last moved, until the picture is refined.
     moved: Option<Instant>,
+    /// Whether the next whole picture is one after a change.
+    is_kept_later: bool,
     /// By the last frames.
     ms_per_pixel: Option<f64>,
     comparing: Option<JoinHandle<Result<ErrorMap, Findings>>>,
@@ -313,10 +316,11 @@ impl Work {
             self.apply(&Change::Files(files.unwrap_or_default()), true);
         }
         if !asked.files.is_empty() {
+            self.be_coarse();
             self.apply(&Change::Files(asked.files), true);
         }
         if !asked.sets.is_empty() {
-            self.apply(&Change::Set(asked.sets), true);
+            self.set(asked.sets);
         }
         if let Some(port) = asked.look {
             self.apply(&Change::Look(port), true);
@@ -419,19 +423,45 @@ impl Work {
             Ok(Outcome::Drawn(drawn)) => {
                 let total = start.elapsed();
                 self.learn(drawn.report.stages.draw_ms);
+                let is_whole = self.drawn_size == self.full;
+                self.is_kept_later |= keeps_picture;
+                let keeps_now = is_whole && std::mem::take(&mut self.is_kept_later);
+                if !is_whole {
+                    self.moved = Some(Instant::now());
+                }
                 self.tell(|told| {
                     told.frame = Some(drawn.report.frame.clone());
                     if keeps_picture {
-                        told.keep(drawn.picture);
                         told.note(Note::of(change, &drawn.report, total));
                         told.report = Some(drawn.report);
-                    } else {
+                    }
+                    if keeps_now {
+                        told.keep(drawn.picture);
+                    } else if is_whole {
                         told.refined = Some(Arc::new(drawn.picture));
                     }
                 });
                 self.show(Findings::new());
             }
             Err(refused) => self.refuse(refused),
+        }
+    }
+
+    /// Sets values as they are dragged: coarsely where a whole picture takes long, which comes when they stay.
+    fn set(&mut self, sets: Vec<ParamOverride>) {
+        self.be_coarse();
+        self.apply(&Change::Set(sets), true);
+    }
+
+    /// Makes what comes next as coarse as the time for a frame needs.
+    fn be_coarse(&mut self) {
+        let size = self.coarse();
+        let is_whole = self
+            .session
+            .as_ref()
+            .is_some_and(|session| session.view().size == self.full);
+        if is_whole && 2.0 * pixels(size) < pixels(self.full) {
+            self.apply(&Change::Size(size), false);
         }
     }
 

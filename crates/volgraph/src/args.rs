@@ -398,6 +398,9 @@ pub struct ViewArgs {
     /// stands still. The window remembers the last value.
     #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub budget: Option<u32>,
+    /// Orbit for so many seconds with pictures of --size, print how fluent that was, and close the window.
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u32).range(1..=600))]
+    pub measure: Option<u32>,
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {

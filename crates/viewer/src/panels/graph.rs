@@ -62,7 +62,7 @@ impl GraphPanel {
                         let inputs: Vec<String> = node
                             .inputs
                             .iter()
-                            .map(|(port, from)| format!("{port} ← {from}"))
+                            .map(|(port, from)| format!("{port} from {from}"))
                             .collect();
                         ui.label(inputs.join("\n"));
                         let outputs: Vec<String> = node

@@ -2,7 +2,7 @@
 
 use egui::{Color32, ScrollArea, Ui};
 use egui_plot::{Legend, Line, Plot, PlotPoints, Points};
-use volgraph_engine::ray::{RaySegment, Status};
+use volgraph_engine::ray::{ProfilePoint, RaySegment, Status};
 use volgraph_engine::{Probe, RayStudy};
 
 use crate::worker::Told;
@@ -29,66 +29,90 @@ pub(crate) fn show(ui: &mut Ui, told: &Told) {
             ui.weak("The ray misses the volume.");
             return;
         }
-        let height = ((ui.available_height() - 30.0) / 3.0).max(90.0);
-        let reference = study
-            .reference
-            .as_ref()
-            .map_or(&[][..], |profile| &profile.points);
-        let truth = |value: fn(&volgraph_engine::ray::ProfilePoint) -> f64| -> Vec<[f64; 2]> {
-            reference
-                .iter()
-                .map(|point| [point.distance, value(point)])
-                .collect()
+        // Side by side where there is room, so that a low panel shows all of them.
+        let columns = if ui.available_width() > 640.0 { 3 } else { 1 };
+        let height = match columns {
+            3 => (ui.available_height() - 24.0).max(110.0),
+            _ => 130.0,
         };
-        let scalars = ends(study, |segment| segment.scalars);
-        plot(ui, "scalar", height, |plot| {
-            line(plot, "reference", TRUTH, truth(|point| point.scalar));
-            line(plot, "walk", WALK, scalars.clone());
-            ticks(plot, study, &scalars);
+        ui.columns(columns, |columns| {
+            let last = columns.len() - 1;
+            scalar(&mut columns[0], height, study);
+            extinction(&mut columns[last.min(1)], height, study);
+            light(&mut columns[last], height, study);
         });
-        plot(ui, "extinction", height, |plot| {
-            line(plot, "reference", TRUTH, truth(|point| point.extinction));
-            line(
-                plot,
-                "walk",
-                WALK,
-                steps(study, |segment| {
-                    segment.extinction.filter(|value| value.is_finite())
-                }),
-            );
+    });
+}
+
+/// The reference's value along the ray.
+fn truth(study: &RayStudy, value: fn(&ProfilePoint) -> f64) -> Vec<[f64; 2]> {
+    let points = study
+        .reference
+        .as_ref()
+        .map_or(&[][..], |profile| &profile.points);
+    points
+        .iter()
+        .map(|point| [point.distance, value(point)])
+        .collect()
+}
+
+fn scalar(ui: &mut Ui, height: f32, study: &RayStudy) {
+    let scalars = ends(study, |segment| segment.scalars);
+    plot(ui, "scalar", height, |plot| {
+        line(plot, "reference", TRUTH, truth(study, |point| point.scalar));
+        line(plot, "walk", WALK, scalars.clone());
+        ticks(plot, study, &scalars);
+    });
+}
+
+fn extinction(ui: &mut Ui, height: f32, study: &RayStudy) {
+    plot(ui, "extinction", height, |plot| {
+        line(
+            plot,
+            "reference",
+            TRUTH,
+            truth(study, |point| point.extinction),
+        );
+        let walked = steps(study, |segment| {
+            segment.extinction.filter(|value| value.is_finite())
         });
-        plot(ui, "transmittance and colour", height, |plot| {
-            line(
-                plot,
-                "transmittance, reference",
-                TRUTH,
-                truth(|point| point.transmittance),
-            );
-            let left = study.segments.iter().flat_map(|segment| {
-                [
-                    [segment.start, segment.transmittance[0]],
-                    [segment.end, segment.transmittance[1]],
-                ]
+        line(plot, "walk", WALK, walked);
+    });
+}
+
+/// What is left of the light behind, and the colour so far.
+fn light(ui: &mut Ui, height: f32, study: &RayStudy) {
+    plot(ui, "transmittance and colour", height, |plot| {
+        line(
+            plot,
+            "reference",
+            TRUTH,
+            truth(study, |point| point.transmittance),
+        );
+        let left = study.segments.iter().flat_map(|segment| {
+            [
+                [segment.start, segment.transmittance[0]],
+                [segment.end, segment.transmittance[1]],
+            ]
+        });
+        line(plot, "transmittance", WALK, left.collect());
+        let channels = [
+            Color32::from_rgb(255, 90, 90),
+            Color32::from_rgb(90, 220, 90),
+            Color32::from_rgb(110, 140, 255),
+        ];
+        for (channel, (name, color)) in ["red", "green", "blue"]
+            .into_iter()
+            .zip(channels)
+            .enumerate()
+        {
+            let mut sum = 0.0;
+            let so_far = study.segments.iter().map(|segment| {
+                sum += segment.contribution[channel];
+                [segment.end, sum]
             });
-            line(plot, "transmittance", WALK, left.collect());
-            let channels = [
-                Color32::from_rgb(255, 90, 90),
-                Color32::from_rgb(90, 220, 90),
-                Color32::from_rgb(110, 140, 255),
-            ];
-            for (channel, (name, color)) in ["red", "green", "blue"]
-                .into_iter()
-                .zip(channels)
-                .enumerate()
-            {
-                let mut sum = 0.0;
-                let so_far = study.segments.iter().map(|segment| {
-                    sum += segment.contribution[channel];
-                    [segment.end, sum]
-                });
-                line(plot, name, color, so_far.collect());
-            }
-        });
+            line(plot, name, color, so_far.collect());
+        }
     });
 }
 

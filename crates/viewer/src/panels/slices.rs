@@ -72,7 +72,9 @@ impl SlicesPanel {
         };
         let mut next_window = window;
         let spacing = volume.grid().spacing();
-        let side = ((ui.available_width() - 20.0) / 3.0).clamp(80.0, 420.0);
+        self.probe(ui, volume);
+        let room = ((ui.available_width() - 20.0) / 3.0).min(ui.available_height() - 24.0);
+        let side = room.clamp(80.0, 600.0);
         ui.horizontal(|ui| {
             for (plane, (across, down, through, name)) in PLANES.into_iter().enumerate() {
                 ui.vertical(|ui| {
@@ -130,7 +132,6 @@ impl SlicesPanel {
         if next_window != window {
             self.window = Some(next_window);
         }
-        self.probe(ui, volume);
     }
 
     /// What lies under the crosshair.
