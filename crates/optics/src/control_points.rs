@@ -39,13 +39,13 @@ impl TransferFunction {
             Absorption::Extinction(_) => opacity_from_extinction(value),
         };
         let mut points = Vec::new();
-        for at in places {
+        for (index, &at) in places.iter().enumerate() {
             let point = |color: [f64; 3], [absorption]: [f64; 1]| ControlPoint {
                 at,
                 color,
                 opacity: opacity(absorption),
             };
-            let before = at.next_down();
+            let before = index.checked_sub(1).map_or(at - 1.0, |index| places[index]);
             let left = point(color.over(before, at).1, absorption.over(before, at).1);
             let right = point(color.at(at), absorption.at(at));
             let is_step = (left.opacity - right.opacity).abs() > 1e-9
@@ -185,7 +185,7 @@ mod tests {
     #[test]
     fn a_moved_point_widens_the_range_and_opacities_are_kept_within_bounds() {
         let transfer = read(
-            r##"(domain: data, points: [(at: 0, color: "#000", opacity: 0), (at: 5, color: "#fff", opacity: 0.5)])"##,
+            r##"(domain: data, points: [(at: 0, color: "#000000", opacity: 0), (at: 5, color: "#ffffff", opacity: 0.5)])"##,
         );
         let mut points = transfer.control_points();
         points[1].at = 7.0;
@@ -201,7 +201,7 @@ mod tests {
     #[test]
     fn colour_maps_come_and_go() {
         let transfer = read(
-            r##"(domain: data, points: [(at: 0, color: "#000", opacity: 0), (at: 5, color: "#fff", opacity: 0.5)])"##,
+            r##"(domain: data, points: [(at: 0, color: "#000000", opacity: 0), (at: 5, color: "#ffffff", opacity: 0.5)])"##,
         );
         let mapped = transfer.with_color_map("viridis", 0.0, 5.0, false).unwrap();
         assert_eq!(mapped.color_map(), Some("viridis"));

@@ -127,8 +127,8 @@ mod tests {
             hi: 10.0,
             counts: vec![60, 20, 10, 10],
         };
-        let text = r##"(domain: data, points: [(at: 0, color: "#000", opacity: 0), (at: 5, color: "#fff", opacity: 0),
-            (at: 5, color: "#fff", opacity: 0.5), (at: 10, color: "#fff", opacity: 0.5)])"##;
+        let text = r##"(domain: data, points: [(at: 0, color: "#000000", opacity: 0), (at: 5, color: "#ffffff", opacity: 0),
+            (at: 5, color: "#ffffff", opacity: 0.5), (at: 10, color: "#ffffff", opacity: 0.5)])"##;
         let transfer = TransferFunction::parse(Path::new("test.ron"), text).unwrap();
         let scale = Scale {
             low: 0.0,

@@ -26,6 +26,8 @@ pub struct TransferEdit {
     pub transfer: Arc<TransferFunction>,
     /// The point that is edited.
     pub selected: Option<usize>,
+    /// Whether the drag is one in the panel.
+    pub is_panel_dragging: bool,
     /// What is wrong with the last edit.
     pub findings: Findings,
     /// The user's file.
@@ -48,6 +50,7 @@ impl TransferEdit {
                 source: name.clone(),
                 transfer: Arc::clone(&found.transfer),
                 selected: None,
+                is_panel_dragging: false,
                 findings: Findings::new(),
                 file: found.files().into_iter().next().unwrap_or_default(),
                 undo: Vec::new(),

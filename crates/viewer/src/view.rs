@@ -39,6 +39,8 @@ pub(crate) struct View {
     pub size: [u32; 2],
     /// Where it does not follow the window.
     pub fixed_size: Option<[u32; 2]>,
+    /// What a drag asks of the transfer function: how far right and down, in heights of the view.
+    pub window: Option<[f64; 2]>,
     before: Option<(usize, TextureHandle)>,
     difference: Option<(usize, f32, TextureHandle)>,
     errors: Option<(usize, TextureHandle)>,
@@ -179,10 +181,13 @@ impl View {
         let (right, down) = (f64::from(drag.x) / height, f64::from(drag.y) / height);
         let is_shift = ui.input(|input| input.modifiers.shift);
         let is_command = ui.input(|input| input.modifiers.command);
+        let is_alt = ui.input(|input| input.modifiers.alt);
         let is_wiping =
             settings.overlay == Overlay::Wipe && near_wipe(rect, response, settings.wipe);
         if is_wiping && drag != Vec2::ZERO {
             settings.wipe = (settings.wipe + drag.x / rect.width().max(1.0)).clamp(0.0, 1.0);
+        } else if response.dragged_by(PointerButton::Primary) && is_alt {
+            self.window = Some([right, down]);
         } else if response.dragged_by(PointerButton::Middle)
             || response.dragged_by(PointerButton::Primary) && is_shift
         {

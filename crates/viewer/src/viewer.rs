@@ -21,11 +21,15 @@ use crate::write_back;
 const UNDO_HINT: &str = "Ctrl+Z and Ctrl+Shift+Z over the transfer function";
 
 /// Keys, and what they do.
-const KEYS: [(&str, &str); 20] = [
+const KEYS: [(&str, &str); 21] = [
     ("drag", "orbit (look around while walking)"),
     ("Shift + drag, middle drag", "pan"),
     ("wheel, right drag", "zoom (walk while walking)"),
     ("Ctrl + drag", "roll"),
+    (
+        "Alt + drag",
+        "window and level: shift and stretch the transfer function",
+    ),
     ("arrows", "orbit"),
     ("1 to 6", "front, back, left, right, top, bottom"),
     ("F", "fit the volumes into the view"),
@@ -575,9 +579,10 @@ impl Panes<'_> {
                     .as_ref()
                     .and_then(first_volume)
                     .and_then(|(_, digest, volume)| panels.slices.crosshair(digest, &volume));
-                panels
-                    .view
-                    .show(ui, told, self.shot, self.settings, crosshair)
+                let view = &mut panels.view;
+                let mut asked = view.show(ui, told, self.shot, self.settings, crosshair);
+                asked.extend(panels.window(told));
+                asked
             }
             Pane::Parameters => parameters::show(ui, told),
             Pane::Messages => {
@@ -620,15 +625,39 @@ impl Panels {
         self.followed = key;
     }
 
+    /// Window and level: a drag over the picture shifts the transfer function (across) and stretches it (down).
+    fn window(&mut self, told: &Told) -> Vec<Request> {
+        let drag = self.view.window.take();
+        let Some(edit) = self.edit(told) else {
+            return Vec::new();
+        };
+        let Some([right, down]) = drag else {
+            if !edit.is_panel_dragging {
+                edit.end_drag();
+            }
+            return Vec::new();
+        };
+        edit.begin_drag();
+        let (low, high) = edit.transfer.range();
+        edit.window(right * (high - low), 1.0 + 2.0 * down)
+    }
+
+    /// The transfer function of the scene, under edit.
+    fn edit(&mut self, told: &Told) -> Option<&mut TransferEdit> {
+        let scene = told.scene.as_ref()?;
+        match &mut self.transfer {
+            Some(edit) => edit.follow(scene),
+            none => *none = TransferEdit::of(scene),
+        }
+        self.transfer.as_mut()
+    }
+
     fn transfer(&mut self, ui: &mut Ui, told: &Told, settings: &mut Settings) -> Vec<Request> {
         let Some(scene) = &told.scene else {
             ui.weak("No graph is open.");
             return Vec::new();
         };
-        match &mut self.transfer {
-            Some(edit) => edit.follow(scene),
-            none => *none = TransferEdit::of(scene),
-        }
+        self.edit(told);
         let (Some(edit), Some((_, digest, volume))) = (&mut self.transfer, first_volume(scene))
         else {
             ui.weak("The graph has no volume with a transfer function.");

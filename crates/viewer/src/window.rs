@@ -236,6 +236,8 @@ impl eframe::App for Window {
             if let Some(measured) = measurement.step(viewer, start.elapsed()) {
                 *result.lock().unwrap_or_else(PoisonError::into_inner) = Some(measured);
                 ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
+                // The window draws on until it is closed.
+                self.measurement = None;
             }
         }
     }

@@ -284,9 +284,11 @@ fn curve(
     {
         edit.selected = near(at);
         edit.begin_drag();
+        edit.is_panel_dragging = true;
     }
     if response.drag_stopped() {
         edit.end_drag();
+        edit.is_panel_dragging = false;
     }
     if response.dragged()
         && let Some(at) = response.interact_pointer_pos()
