@@ -46,14 +46,13 @@ impl TransferFunction {
                 opacity: opacity(absorption),
             };
             let before = index.checked_sub(1).map_or(at - 1.0, |index| places[index]);
-            let left = point(color.over(before, at).1, absorption.over(before, at).1);
+            let left = match &self.color.map {
+                Some(_) => point(color.at(at), absorption.over(before, at).1),
+                None => point(color.over(before, at).1, absorption.over(before, at).1),
+            };
             let right = point(color.at(at), absorption.at(at));
             let is_step = (left.opacity - right.opacity).abs() > 1e-9
-                || left
-                    .color
-                    .iter()
-                    .zip(&right.color)
-                    .any(|(a, b)| (a - b).abs() > 1e-9);
+                || (left.color.iter().zip(&right.color)).any(|(a, b)| (a - b).abs() > 1e-9);
             if is_step && !points.is_empty() {
                 points.push(left);
             }
