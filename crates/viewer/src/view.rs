@@ -261,7 +261,7 @@ impl View {
             Overlay::Error => match &told.error_map {
                 Some(Ok(map)) => {
                     let texture = self.error_texture(ui, map);
-                    painter.image(texture, fitted(picture, map.size), whole(), Color32::WHITE);
+                    painter.image(texture, picture, whole(), Color32::WHITE);
                     let text = format!("error against the reference, RMSE {:.2e}", map.rmse);
                     legend(painter, picture, map.max, &text);
                 }

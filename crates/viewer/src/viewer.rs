@@ -688,7 +688,7 @@ fn default_layout() -> Tree<Pane> {
     let right = tiles.insert_tab_tile(vec![parameters]);
     let root = tiles.insert_horizontal_tile(vec![left, right]);
     for (container, shares) in [
-        (left, [(view, 2.2), (below, 1.0)]),
+        (left, [(view, 1.7), (below, 1.0)]),
         (root, [(left, 3.0), (right, 1.0)]),
     ] {
         if let Some(egui_tiles::Tile::Container(egui_tiles::Container::Linear(linear))) =
