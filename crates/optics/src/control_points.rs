@@ -45,8 +45,7 @@ impl TransferFunction {
                 color,
                 opacity: opacity(absorption),
             };
-            let before = at.next_down();
-            let left = point(color.over(before, at).1, absorption.over(before, at).1);
+            let left = point(color.before(at), absorption.before(at));
             let right = point(color.at(at), absorption.at(at));
             let is_step = (left.opacity - right.opacity).abs() > 1e-9
                 || left
@@ -54,7 +53,7 @@ impl TransferFunction {
                     .iter()
                     .zip(&right.color)
                     .any(|(a, b)| (a - b).abs() > 1e-9);
-            if is_step && !points.is_empty() {
+            if is_step {
                 points.push(left);
             }
             points.push(right);
@@ -180,12 +179,28 @@ mod tests {
         assert_eq!(shape, [(0.0, 0.0), (5.0, 0.5), (5.0, 0.75), (9.0, 1.0)]);
         let again = transfer.with_control_points(&points).unwrap();
         assert_eq!(again, transfer);
+        // A step at the first of them, wherever numbers round to.
+        for at in [-7.0, 0.0, 0.1, 1.0 / 3.0, 5e5] {
+            let end = at + 1.5;
+            let transfer = read(&format!(
+                "(domain: data, color: [({at:?}, (0, 0, 1)), ({end:?}, (1, 0, 0))], opacity: [({at:?}, 0), ({at:?}, 0.5), ({end:?}, 1)])"
+            ));
+            let points = transfer.control_points();
+            assert_eq!(points.len(), 3, "{points:?}");
+            let again = transfer.with_control_points(&points).unwrap();
+            for s in [at - 1.0, at, at + 0.4, end, end + 1.0] {
+                assert_eq!(
+                    (again.color(s), again.opacity(s)),
+                    (transfer.color(s), transfer.opacity(s))
+                );
+            }
+        }
     }
 
     #[test]
     fn a_moved_point_widens_the_range_and_opacities_are_kept_within_bounds() {
         let transfer = read(
-            r##"(domain: data, points: [(at: 0, color: "#000", opacity: 0), (at: 5, color: "#fff", opacity: 0.5)])"##,
+            r##"(domain: data, points: [(at: 0, color: "#000000", opacity: 0), (at: 5, color: "#ffffff", opacity: 0.5)])"##,
         );
         let mut points = transfer.control_points();
         points[1].at = 7.0;
@@ -201,7 +216,7 @@ mod tests {
     #[test]
     fn colour_maps_come_and_go() {
         let transfer = read(
-            r##"(domain: data, points: [(at: 0, color: "#000", opacity: 0), (at: 5, color: "#fff", opacity: 0.5)])"##,
+            r##"(domain: data, points: [(at: 0, color: "#000000", opacity: 0), (at: 5, color: "#ffffff", opacity: 0.5)])"##,
         );
         let mapped = transfer.with_color_map("viridis", 0.0, 5.0, false).unwrap();
         assert_eq!(mapped.color_map(), Some("viridis"));
