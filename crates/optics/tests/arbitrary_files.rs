@@ -129,7 +129,8 @@ proptest! {
             return Ok(());
         };
         let written = transfer.to_ron();
-        prop_assert_eq!(parse(&written).as_ref(), Ok(&transfer));
+        let read = parse(&written).map_err(|findings| TestCaseError::fail(findings.to_string()))?;
+        prop_assert_eq!(&read, &transfer);
         let points = transfer.control_points();
         let again = transfer.with_control_points(&points).map_err(|findings| TestCaseError::fail(findings.to_string()))?;
         prop_assert_eq!(again.range(), transfer.range());
