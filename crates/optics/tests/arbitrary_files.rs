@@ -94,6 +94,9 @@ fn material() -> impl Strategy<Value = String> {
     })
 }
 
+/// Scalar, linear red, green and blue, opacity.
+type Point = (f64, f64, f64, f64, f64);
+
 /// Control points, some of them at one scalar, in any domain; and where they are.
 fn pointed_text() -> impl Strategy<Value = (String, Vec<f64>)> {
     let place = prop_oneof![-1e4..1e4, (-8..8_i8).prop_map(f64::from)];
@@ -101,7 +104,7 @@ fn pointed_text() -> impl Strategy<Value = (String, Vec<f64>)> {
     let point = (place, part(), part(), part(), part());
     let domain = prop_oneof![Just("data"), Just("data(from: -10000, to: 10000.5)")];
     (domain, proptest::collection::vec(point, 2..8)).prop_map(
-        |(domain, mut points): (&str, Vec<(f64, f64, f64, f64, f64)>)| {
+        |(domain, mut points): (&str, Vec<Point>)| {
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             let list: String = points
                 .iter()
