@@ -3,9 +3,11 @@
 //! The way of the data: [`is_volume`] tells a volume from a graph by its content. [`graph_for`] reads the volume, looks at
 //! its values, and writes a graph with all in it: [`Alone::graph`] is what is drawn, at the path that [`path_for`] gives,
 //! and [`Alone::files`] the same as files to keep. The choice follows the values alone: few whole numbers in patches are
-//! labels, two values a mask, air near -1000 with water near 0 is CT; else the values above the background are drawn.
+//! labels, however far apart they are; two values a mask; air near -1000 with water near 0 is CT; else the values above
+//! the background are drawn.
 
-use std::collections::BTreeSet;
+mod looks;
+
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -15,6 +17,7 @@ use std::time::SystemTime;
 use volgraph_report::{Finding, Findings};
 use volgraph_volume::{LoadOptions, Volume, parse_raw_name};
 
+use self::looks::{Looks, looks};
 use crate::presets::{foreground, hounsfield_offset, points_text, preset, reference_length};
 
 /// What the paths of such graphs begin with.
@@ -109,56 +112,6 @@ fn quoted(text: &str) -> String {
     ron::to_string(text).unwrap_or_else(|_| format!("{text:?}"))
 }
 
-/// What a volume's values are like.
-struct Looks {
-    is_whole: bool,
-    /// At most 257 of those that were looked at.
-    distinct: usize,
-    /// The share of neighbours along x, neither of them the smallest value, that are equal.
-    equal: f64,
-    /// Of those that are not, the share that differs by 2 at most: smooth values do, labels have no order.
-    near: f64,
-}
-
-impl Looks {
-    fn are_labels(&self) -> bool {
-        let few = self.distinct <= 32 && self.equal > 0.8;
-        self.is_whole && (few || (self.equal > 0.5 && self.near < 0.5))
-    }
-}
-
-fn looks(volume: &Volume) -> Looks {
-    let (min, _) = volume.statistics().range().unwrap_or((0.0, 0.0));
-    let voxels = volume.voxels();
-    let count = voxels.len();
-    // Some hundred thousand pairs, spread over all of it; odd, so that it does not walk along one plane.
-    let stride = (count / 500_000).max(1) | 1;
-    let mut values = BTreeSet::new();
-    let (mut is_whole, mut pairs, mut equal, mut near) = (true, 0_u64, 0_u64, 0_u64);
-    for at in (0..count).step_by(stride) {
-        let value = volume.drawn(voxels.get(at));
-        is_whole &= value.fract() == 0.0;
-        if values.len() <= 256 {
-            values.insert(value.to_bits());
-        }
-        if at + 1 < count {
-            let next = volume.drawn(voxels.get(at + 1));
-            if value > min && next > min {
-                pairs += 1;
-                equal += u64::from(value == next);
-                near += u64::from(value != next && (value - next).abs() <= 2.0);
-            }
-        }
-    }
-    let share = |count: u64, of: u64| count as f64 / of.max(1) as f64;
-    Looks {
-        is_whole,
-        distinct: values.len(),
-        equal: share(equal, pairs),
-        near: share(near, pairs - equal),
-    }
-}
-
 fn pick(volume: &Volume, path: &str) -> Alone {
     let looks = looks(volume);
     let (min, max) = volume.statistics().range().unwrap_or((0.0, 1.0));
@@ -190,12 +143,13 @@ fn pick(volume: &Volume, path: &str) -> Alone {
     }
     if looks.are_labels() && max - min >= 2.0 {
         let why = format!(
-            "it has whole numbers in patches, {:.0} % of neighbours equal: labels, each its own colour",
+            "it has {} whole numbers in patches, {:.0} % of neighbours equal: labels, each its own colour",
+            looks.distinct,
             100.0 * looks.equal
         );
         return alone(
             path,
-            Some(labels(volume)),
+            Some(labels(min, &looks)),
             r#""reconstruct": "nearest", "classify": "post", "light": "phong""#,
             r#""step": 0.25"#,
             why,
@@ -230,19 +184,14 @@ fn pick(volume: &Volume, path: &str) -> Alone {
 }
 
 /// Labels: the smallest value is outside.
-fn labels(volume: &Volume) -> String {
-    let (min, max) = volume.statistics().range().unwrap_or((0.0, 1.0));
-    // Most labels of an atlas stand together, whatever a few have.
-    let statistics = volume.statistics();
-    let outside = 100.0 * volume_share_of_min(volume);
-    let inside = |p: f64| statistics.percentile(outside + (100.0 - outside) * p);
-    let (from, to) = (inside(0.02), inside(0.98));
-    let (from, to) = if to > from { (from, to) } else { (min, max) };
-    // Beyond the last its colour holds: one stray label takes nothing from the others.
-    let (max, least) = (to, min + 0.5);
+fn labels(min: f64, looks: &Looks) -> String {
+    // Most labels of an atlas stand together, whatever a few have; beyond the last its colour holds, so that stray ones
+    // take nothing from the others.
+    let (from, to) = looks.most();
+    let least = min + 0.5;
     format!(
-        "// Labels: {min} is outside.\n(\n    domain: data(from: {min:?}, to: {max:?}),\n    color: map(name: \"turbo\", from: \
-         {from:?}, to: {to:?}),\n    opacity: [({min:?}, 0.0), ({least:?}, 0.0), ({least:?}, 0.6), ({max:?}, 0.6)],\n)\n"
+        "// Labels: {min} is outside.\n(\n    domain: data(from: {min:?}, to: {to:?}),\n    color: map(name: \"turbo\", from: \
+         {from:?}, to: {to:?}),\n    opacity: [({min:?}, 0.0), ({least:?}, 0.0), ({least:?}, 0.6), ({to:?}, 0.6)],\n)\n"
     )
 }
 
@@ -340,99 +289,4 @@ fn alone(path: &str, transfer: Option<String>, slots: &str, params: &str, why: S
 }
 
 #[cfg(test)]
-mod tests {
-    use glam::DVec3;
-    use volgraph_graph::read;
-    use volgraph_optics::TransferFunction;
-    use volgraph_shader::ParamValue;
-    use volgraph_volume::Grid;
-
-    use super::*;
-
-    fn volume(value: impl Fn([i32; 3]) -> f32) -> Volume {
-        let mut voxels = Vec::new();
-        for z in 0..16 {
-            for y in 0..16 {
-                for x in 0..16 {
-                    voxels.push(value([x, y, z]));
-                }
-            }
-        }
-        let grid = Grid::axis_aligned([16; 3], DVec3::ONE, DVec3::ZERO);
-        Volume::new("v", grid, voxels.into()).unwrap()
-    }
-
-    /// What is picked is a graph whose transfer function can be read.
-    fn why(volume: &Volume) -> String {
-        let picked = pick(volume, "a \"b\".nrrd");
-        let desc = read::graph(Path::new("t.ron"), &picked.graph).unwrap();
-        let text = desc
-            .sources
-            .get("transfer")
-            .map(|source| source.params["text"].value.clone());
-        assert_eq!(text, picked.transfer.clone().map(ParamValue::Text));
-        if let Some(text) = &picked.transfer {
-            let read = TransferFunction::parse(Path::new("t.ron"), text);
-            read.unwrap_or_else(|found| panic!("{found} in {text}"));
-        }
-        let (graph, _) = picked.files("t.ron");
-        read::graph(Path::new("t.ron"), &graph).unwrap();
-        assert_eq!(graph.contains("path: \"t.ron\""), picked.transfer.is_some());
-        picked.why
-    }
-
-    #[test]
-    fn what_is_in_a_volume_decides_what_is_drawn() {
-        let radius = |[x, y, z]: [i32; 3]| {
-            (((x - 8).pow(2) + (y - 8).pow(2) + (z - 8).pow(2)) as f32).sqrt()
-        };
-        let mask = volume(|at| f32::from(u8::from(radius(at) < 5.0)) * 257.0);
-        assert!(why(&mask).contains("the surface between"));
-        let labels = volume(|at| (at[1] / 4 * 100 + at[2] / 4 * 17) as f32);
-        assert!(why(&labels).contains("labels"));
-        let ct = volume(|at| match radius(at) {
-            r if r < 3.0 => 900.0,
-            r if r < 6.0 => 30.0 + at[0] as f32,
-            _ => -1000.0 + (at[0] % 5) as f32,
-        });
-        assert!(why(&ct).contains("ct-bone"));
-        // Whole numbers that rise slowly are no labels.
-        assert!(
-            why(&volume(
-                |at| (10.0 - radius(at)).round() * 7.0 + at[0] as f32
-            ))
-            .contains("solid")
-        );
-        assert!(why(&volume(|at| (-radius(at)).exp())).contains("inferno"));
-        assert!(why(&volume(|at| (at[0] as f32 - 7.5) * 0.37)).contains("both tails"));
-        // Nothing to see is no reason to fail.
-        for value in [0.0, -1e30, f32::NAN, f32::INFINITY, 3e38] {
-            why(&volume(|_| value));
-            why(&volume(|at| if at == [8; 3] { value } else { 0.25 }));
-            why(&volume(|at| {
-                if at == [8; 3] {
-                    value
-                } else {
-                    at[0] as f32 * 1.5
-                }
-            }));
-        }
-    }
-
-    #[test]
-    fn volumes_are_told_from_graphs_by_what_they_hold() {
-        let folder = tempfile::tempdir().unwrap();
-        let is = |name: &str, content: &[u8]| {
-            let path = folder.path().join(name);
-            std::fs::write(&path, content).unwrap();
-            is_volume(&path)
-        };
-        assert!(is("a.nrrd", b"NRRD0004\n") && is("b_2x2x2_uint8.raw", b"01234567"));
-        assert!(is("c.mha", b"ObjectType = Image\n") && is("d", b"\x5c\x01\0\0"));
-        assert!(!is("a.ron", b"NRRD0004\n") && !is("a.txt", b"( nodes: {} )"));
-        assert!(!is("a.png", b"\x89PNG\r\n\x1a\n\0\0") && !is_volume(folder.path()));
-        let path = Path::new("/a/b c.nrrd");
-        assert_eq!(volume_of(&path_for(path)).as_deref(), Some(path));
-        assert_eq!(volume_of(Path::new("embedded:/graphs/mip.ron")), None);
-    }
-}
+mod tests;

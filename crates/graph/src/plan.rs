@@ -1,5 +1,7 @@
 //! The plan: a graph with everything decided, and what it answers for each frame.
 
+mod members;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -7,10 +9,9 @@ use glam::DVec3;
 use indexmap::IndexMap;
 use serde::Serialize;
 use volgraph_report::{Finding, Findings};
-use volgraph_shader::{
-    Binding, BindingKind, MemberType, StructLayout, UniformValue, UniformWriter,
-};
+use volgraph_shader::{Binding, BindingKind, MemberType, StructLayout, UniformWriter};
 
+use self::members::{camera_members, lens_members};
 use crate::camera::{Camera, CameraDesc, View};
 use crate::check::{BindingSource, PARAMS_TABLE, binding_source, check};
 use crate::cull::cull;
@@ -368,57 +369,4 @@ impl Plan {
                 .at(binding.place.clone())
         })
     }
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "shaders compute in f32")]
-fn lens_members(view: &View) -> Uniform {
-    let lens = view.lens();
-    let [size, corner, extent] =
-        [lens.size, lens.corner, lens.extent].map(|pixels| pixels.map(f64::from));
-    // From clip coordinates of the whole picture to those of the window; one and zeros where it is the whole.
-    let scale = [size[0] / extent[0], size[1] / extent[1]];
-    let shift = [
-        (size[0] - 2.0 * corner[0]) / extent[0] - 1.0,
-        1.0 - (size[1] - 2.0 * corner[1]) / extent[1],
-    ];
-    vec![
-        ("size", UniformValue::Vec2(lens.size.map(|n| n as f32))),
-        ("corner", UniformValue::Vec2(lens.corner.map(|n| n as f32))),
-        ("extent", UniformValue::Vec2(lens.extent.map(|n| n as f32))),
-        ("clip_scale", UniformValue::Vec2(scale.map(|n| n as f32))),
-        ("clip_shift", UniformValue::Vec2(shift.map(|n| n as f32))),
-        (
-            "half_extent",
-            UniformValue::Vec2(lens.half_extent.map(|n| n as f32)),
-        ),
-        (
-            "is_orthographic",
-            UniformValue::U32(u32::from(lens.is_orthographic)),
-        ),
-    ]
-}
-
-/// From so many radii away rays start before the volumes, and not at the eye: f32 has no digits left for both.
-const FAR_RADII: f64 = 64.0;
-
-fn camera_members(camera: &Camera, origin: DVec3, radius: f64) -> Uniform {
-    let vec3 = |v: DVec3| UniformValue::Vec3(v.as_vec3().to_array());
-    let eye = camera.eye - origin;
-    let depth = -eye.dot(camera.forward);
-    // In front of everything by a radius.
-    let skipped = if depth > FAR_RADII * radius {
-        depth - 2.0 * radius
-    } else {
-        0.0
-    };
-    #[expect(clippy::cast_possible_truncation, reason = "shaders compute in f32")]
-    let skipped_f32 = skipped as f32;
-    vec![
-        ("eye", vec3(eye)),
-        ("anchor", vec3(eye + skipped * camera.forward)),
-        ("skipped", UniformValue::F32(skipped_f32)),
-        ("right", vec3(camera.right)),
-        ("up", vec3(camera.up)),
-        ("forward", vec3(camera.forward)),
-    ]
 }

@@ -1,6 +1,7 @@
 //! `raycast`: one walk per pixel through the volume's box; slots say what a segment means.
 
 mod ports;
+mod slots;
 mod tables;
 mod walk;
 
@@ -16,7 +17,8 @@ use volgraph_shader::{ParamSpec, ParamValue, UniformValue};
 use volgraph_volume::Grid;
 use wgpu_types::TextureFormat;
 
-use self::ports::{INPUTS, LAYERS, OUTPUTS, SLOTS, TRACE_SIZE};
+use self::ports::{INPUTS, LAYERS, OUTPUTS, TRACE_SIZE};
+use self::slots::SLOTS;
 pub use self::tables::data_value;
 pub(crate) use self::tables::{TablePorts, table_range, transfer_uniform};
 use self::tables::{check_table_sizes, check_tables_of_labels};

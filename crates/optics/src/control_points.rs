@@ -39,21 +39,21 @@ impl TransferFunction {
             Absorption::Extinction(_) => opacity_from_extinction(value),
         };
         let mut points = Vec::new();
-        for (index, &at) in places.iter().enumerate() {
+        for at in places {
             let point = |color: [f64; 3], [absorption]: [f64; 1]| ControlPoint {
                 at,
                 color,
                 opacity: opacity(absorption),
             };
-            let before = index.checked_sub(1).map_or(at - 1.0, |index| places[index]);
-            let left = match &self.color.map {
-                Some(_) => point(color.at(at), absorption.over(before, at).1),
-                None => point(color.over(before, at).1, absorption.over(before, at).1),
-            };
+            let left = point(color.before(at), absorption.before(at));
             let right = point(color.at(at), absorption.at(at));
             let is_step = (left.opacity - right.opacity).abs() > 1e-9
-                || (left.color.iter().zip(&right.color)).any(|(a, b)| (a - b).abs() > 1e-9);
-            if is_step && !points.is_empty() {
+                || left
+                    .color
+                    .iter()
+                    .zip(&right.color)
+                    .any(|(a, b)| (a - b).abs() > 1e-9);
+            if is_step {
                 points.push(left);
             }
             points.push(right);
@@ -179,6 +179,22 @@ mod tests {
         assert_eq!(shape, [(0.0, 0.0), (5.0, 0.5), (5.0, 0.75), (9.0, 1.0)]);
         let again = transfer.with_control_points(&points).unwrap();
         assert_eq!(again, transfer);
+        // A step at the first of them, wherever numbers round to.
+        for at in [-7.0, 0.0, 0.1, 1.0 / 3.0, 5e5] {
+            let end = at + 1.5;
+            let transfer = read(&format!(
+                "(domain: data, color: [({at:?}, (0, 0, 1)), ({end:?}, (1, 0, 0))], opacity: [({at:?}, 0), ({at:?}, 0.5), ({end:?}, 1)])"
+            ));
+            let points = transfer.control_points();
+            assert_eq!(points.len(), 3, "{points:?}");
+            let again = transfer.with_control_points(&points).unwrap();
+            for s in [at - 1.0, at, at + 0.4, end, end + 1.0] {
+                assert_eq!(
+                    (again.color(s), again.opacity(s)),
+                    (transfer.color(s), transfer.opacity(s))
+                );
+            }
+        }
     }
 
     #[test]

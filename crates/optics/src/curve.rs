@@ -30,6 +30,15 @@ impl<const N: usize> Curve<N> {
         self.ends(s, s, s).0
     }
 
+    /// What it comes to from below `s`: at a step the earlier value, elsewhere that of [`at`](Self::at).
+    pub(crate) fn before(&self, s: f64) -> [f64; N] {
+        let next = self.points.partition_point(|(at, _)| *at < s);
+        match self.points.get(next) {
+            Some((at, value)) if *at == s || next == 0 => *value,
+            _ => self.at(s),
+        }
+    }
+
     /// The values at `from` and `to` of the linear piece that the open interval between them lies in, so that a
     /// step at either end does not show.
     pub(crate) fn over(&self, from: f64, to: f64) -> ([f64; N], [f64; N]) {
@@ -74,6 +83,8 @@ mod tests {
             (9.0, 0.0),
         ] {
             assert_eq!(curve.at(s), [value], "at {s}");
+            let before = if s == 1.0 { 3.0 } else { value };
+            assert_eq!(curve.before(s), [before], "before {s}");
         }
         assert_eq!(curve.over(0.5, 1.0), ([2.0], [3.0]));
         assert_eq!(curve.over(1.0, 2.0), ([7.0], [7.0]));

@@ -94,7 +94,58 @@ fn material() -> impl Strategy<Value = String> {
     })
 }
 
+/// Scalar, linear red, green and blue, opacity.
+type Point = (f64, f64, f64, f64, f64);
+
+/// Control points, some of them at one scalar, in any domain; and where they are.
+fn pointed_text() -> impl Strategy<Value = (String, Vec<f64>)> {
+    let place = prop_oneof![-1e4..1e4, (-8..8_i8).prop_map(f64::from)];
+    let part = || 0.0..=1.0;
+    let point = (place, part(), part(), part(), part());
+    let domain = prop_oneof![Just("data"), Just("data(from: -10000, to: 10000.5)")];
+    (domain, proptest::collection::vec(point, 2..8)).prop_map(
+        |(domain, mut points): (&str, Vec<Point>)| {
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let list: String = points
+                .iter()
+                .map(|(at, r, g, b, opacity)| {
+                    format!("(at: {at:?}, color: ({r:?}, {g:?}, {b:?}), opacity: {opacity:?}),")
+                })
+                .collect();
+            let places = points.iter().map(|point| point.0).collect();
+            (format!("(domain: {domain}, points: [{list}])"), places)
+        },
+    )
+}
+
+fn is_near(a: f64, b: f64) -> bool {
+    // Steps that are smaller are none.
+    (a - b).abs() <= 2e-9
+}
+
 proptest! {
+    #[test]
+    fn control_points_are_what_was_written((text, places) in pointed_text()) {
+        let Ok(transfer) = parse(&text) else {
+            // All at one scalar.
+            prop_assert!(places.first() == places.last(), "{}", text);
+            return Ok(());
+        };
+        let written = transfer.to_ron();
+        let read = parse(&written).map_err(|findings| TestCaseError::fail(findings.to_string()))?;
+        prop_assert_eq!(&read, &transfer);
+        let points = transfer.control_points();
+        let again = transfer.with_control_points(&points).map_err(|findings| TestCaseError::fail(findings.to_string()))?;
+        prop_assert_eq!(again.range(), transfer.range());
+        let middles = places.windows(2).map(|pair| 0.5 * (pair[0] + pair[1]));
+        for s in places.iter().copied().chain(middles).chain([-2e4, 2e4]) {
+            prop_assert!(is_near(again.opacity(s), transfer.opacity(s)), "{} at {}", text, s);
+            for (a, b) in again.color(s).into_iter().zip(transfer.color(s)) {
+                prop_assert!(is_near(a, b), "{} at {}", text, s);
+            }
+        }
+    }
+
     #[test]
     fn no_text_panics(text in ".{0,200}") {
         let _ = parse(&text);

@@ -163,7 +163,6 @@ impl Worker {
     }
 
     /// What there is to see now.
-    #[must_use]
     pub fn told(&self) -> MutexGuard<'_, Told> {
         locked(&self.told)
     }
@@ -373,7 +372,7 @@ impl Work {
                 self.ms_per_pixel = None;
                 self.arm_with(session.dependencies().clone());
                 self.session = Some(session);
-                self.tell(|told| told.forget());
+                self.tell(Told::forget);
                 match drawn {
                     Ok((picture, frame)) => {
                         let note = Note::new(format!(

@@ -6,8 +6,10 @@ mod authors;
 mod bench;
 mod chart;
 mod each;
+mod live;
 mod ray;
 mod verify;
+mod words;
 
 use std::path::PathBuf;
 
@@ -21,8 +23,13 @@ pub use authors::{GalleryArgs, GraphsArgs, NewArgs, NewSlot, SetArgs, TestArgs, 
 pub use bench::BenchArgs;
 pub use chart::{ChartArgs, TruthChoice};
 pub use each::EachSceneArgs;
+pub use live::{ViewArgs, WatchArgs};
 pub use ray::RayArgs;
 pub use verify::{STOCK, VerifyArgs};
+
+use self::words::{
+    parse_bound, parse_camera, parse_dims, parse_size, parse_slot, parse_type, parse_volume,
+};
 
 /// Draws volumes with WGSL shaders that plug into a render graph, and says how wrong each picture is.
 #[derive(Parser, Debug)]
@@ -359,111 +366,4 @@ pub struct AdaptersArgs {
     /// Print JSON.
     #[arg(long)]
     pub json: bool,
-}
-
-/// `volgraph watch`.
-#[derive(ClapArgs, Debug)]
-pub struct WatchArgs {
-    /// The graph and its changes.
-    #[command(flatten)]
-    pub scene: SceneArgs,
-    /// The picture: .png, or .exr with depth, opacity and the graph's other outputs as layers. It is replaced as a whole, never half written.
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
-    /// Bits of each PNG component: 8 or 16.
-    #[arg(long, value_name = "BITS", default_value = "8", value_parser = ["8", "16"])]
-    pub png_bits: String,
-    /// Run a shell command after each picture, with its file in VOLGRAPH_PICTURE and its number in VOLGRAPH_NUMBER.
-    /// While it runs, newer pictures wait; the last of them is next.
-    #[arg(long, value_name = "COMMAND")]
-    pub exec: Option<String>,
-    /// Print how far each picture is from this one, instead of from the last; or from its truth, with the word `reference`.
-    #[arg(long, value_name = "PICTURE | reference")]
-    pub against: Option<PathBuf>,
-    /// Look at the files every so many milliseconds, instead of being told by the system.
-    #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u64).range(1..=3_600_000))]
-    pub poll: Option<u64>,
-    /// Print one JSON object a line.
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// `volgraph view`.
-#[derive(ClapArgs, Debug)]
-pub struct ViewArgs {
-    /// The graph and its changes.
-    #[command(flatten)]
-    pub scene: SceneArgs,
-    /// Most milliseconds of a frame while the camera moves: it is drawn as coarsely as that needs, and refined when it
-    /// stands still. The window remembers the last value.
-    #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    pub budget: Option<u32>,
-    /// Orbit for so many seconds with pictures of --size, print how fluent that was, and close the window.
-    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u32).range(1..=600))]
-    pub measure: Option<u32>,
-}
-
-fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    let (width, height) = text
-        .split_once('x')
-        .ok_or("write it as WIDTHxHEIGHT, such as 512x512")?;
-    let side = |text: &str| match text.parse::<u32>() {
-        Ok(n) if n > 0 => Ok(n),
-        _ => Err(format!("`{text}` is not a number of pixels of at least 1")),
-    };
-    Ok([side(width)?, side(height)?])
-}
-
-fn parse_dims(text: &str) -> Result<[u32; 3], String> {
-    let side = |side: &str| side.parse().ok().filter(|n| *n > 0);
-    let sides: Option<Vec<u32>> = text.split('x').map(side).collect();
-    sides
-        .and_then(|sides| <[u32; 3]>::try_from(sides).ok())
-        .ok_or_else(|| "write it as XxYxZ, such as 256x256x128".to_owned())
-}
-
-fn parse_type(text: &str) -> Result<ScalarType, String> {
-    ScalarType::parse(text).ok_or_else(|| {
-        let names: Vec<&str> = ScalarType::ALL
-            .iter()
-            .map(|scalar_type| scalar_type.name())
-            .collect();
-        format!("types are {}", names.join(", "))
-    })
-}
-
-fn parse_bound(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(bound) if bound >= 0.0 => Ok(bound),
-        _ => Err("give a number of at least 0".to_owned()),
-    }
-}
-
-fn parse_slot(text: &str) -> Result<(String, String), String> {
-    match text.split_once('=') {
-        Some((slot, choice)) if !slot.is_empty() && !choice.is_empty() => {
-            Ok((slot.to_owned(), choice.to_owned()))
-        }
-        _ => Err("write it as SLOT=CHOICE, such as light=phong".to_owned()),
-    }
-}
-
-/// A name and a file; the name is empty where there is none. Whatever stands before a `=` is a name, if no file can be
-/// meant by it.
-fn parse_volume(text: &str) -> Result<(String, PathBuf), String> {
-    let named = text
-        .split_once('=')
-        .filter(|(name, _)| !name.contains(['/', '\\', '.']));
-    match named {
-        Some((name, file)) if !name.is_empty() && !file.is_empty() => {
-            Ok((name.to_owned(), PathBuf::from(file)))
-        }
-        None if !text.is_empty() => Ok((String::new(), PathBuf::from(text))),
-        _ => Err("write it as NAME=FILE, with the name of a source of the graph".to_owned()),
-    }
-}
-
-fn parse_camera(text: &str) -> Result<CameraDesc, String> {
-    volgraph_graph::read::camera_text("--camera".as_ref(), text)
-        .map_err(|findings| findings.to_string())
 }

@@ -18,8 +18,11 @@ pub(crate) struct SlicesPanel {
     index: DVec3,
     /// Smallest and largest value shown, black to white.
     window: Option<(f64, f64)>,
-    textures: [Option<(u32, (f64, f64), TextureHandle)>; 3],
+    textures: [Option<Slice>; 3],
 }
+
+/// A plane's number, the window of values that it is shown in, and its texture.
+type Slice = (u32, (f64, f64), TextureHandle);
 
 /// The axes of the planes: across, down, through.
 const PLANES: [(usize, usize, usize, &str); 3] = [

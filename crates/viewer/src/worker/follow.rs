@@ -24,10 +24,9 @@ impl Work {
 
     /// Applies what has changed on disk.
     pub(super) fn follow(&mut self) {
-        match self.watch.wait(Some(SETTLE)) {
-            Ok(Some(changed)) => self.apply(&Change::Files(changed), true),
-            // Nothing is watched where nothing could be read: a graph that is not there.
-            Ok(None) | Err(_) => {}
+        // An error is that nothing is watched, as nothing could be read: a graph that is not there.
+        if let Ok(Some(changed)) = self.watch.wait(Some(SETTLE)) {
+            self.apply(&Change::Files(changed), true);
         }
     }
 
