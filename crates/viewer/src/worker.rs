@@ -138,6 +138,7 @@ impl Worker {
             is_paused: false,
             moved: None,
             is_kept_later: false,
+            wrong: Findings::new(),
             ms_per_pixel: None,
             comparing: None,
             studying: None,
@@ -207,6 +208,8 @@ struct Work {
     moved: Option<Instant>,
     /// Whether the next whole picture is one after a change.
     is_kept_later: bool,
+    /// What is wrong with the files on disk, for as long as it is.
+    wrong: Findings,
     /// By the last frames.
     ms_per_pixel: Option<f64>,
     comparing: Option<JoinHandle<Result<ErrorMap, Findings>>>,
@@ -373,6 +376,7 @@ impl Work {
                 self.ms_per_pixel = None;
                 self.arm_with(session.dependencies().clone());
                 self.session = Some(session);
+                self.wrong = Findings::new();
                 self.tell(|told| told.forget());
                 match drawn {
                     Ok((picture, frame)) => {
@@ -418,6 +422,10 @@ impl Work {
         let dependencies = session.dependencies().clone();
         self.drawn_size = session.view().size;
         self.arm_with(dependencies);
+        if matches!(change, Change::Files(_)) {
+            let refused = applied.as_ref().err();
+            self.wrong = refused.map_or_else(Findings::new, |refused| refused.findings.clone());
+        }
         match applied {
             Ok(Outcome::Unchanged) => self.show(Findings::new()),
             Ok(Outcome::Drawn(drawn)) => {
@@ -566,8 +574,12 @@ impl Work {
         }
     }
 
-    /// Shows the last frame, with what is wrong with what was tried after it.
-    fn show(&mut self, findings: Findings) {
+    /// Shows the last frame, with what is wrong with what was tried after it. What is wrong on disk stays told while the
+    /// camera moves.
+    fn show(&mut self, mut findings: Findings) {
+        if findings.is_empty() {
+            findings = self.wrong.clone();
+        }
         let full = self.full;
         let Some(session) = &mut self.session else {
             return self.tell(|told| {
