@@ -65,7 +65,7 @@ pub enum Request {
     },
     /// Draws a film.
     Film(Turntable),
-    /// Whether files are not followed and nothing is drawn until asked.
+    /// Whether files are not followed; what is asked for is drawn all the same.
     Pause(bool),
     /// Reads the files again and draws, paused or not.
     Frame,
@@ -543,7 +543,7 @@ impl Work {
     /// Draws the picture of a still camera, in two steps where that takes long.
     fn refine(&mut self) {
         let is_due = |moved: Instant| moved.elapsed() >= STILL;
-        if self.is_paused || !self.moved.is_some_and(is_due) {
+        if !self.moved.is_some_and(is_due) {
             return;
         }
         let budget = self.budget.as_secs_f64() * 1e3;
