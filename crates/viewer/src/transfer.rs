@@ -10,7 +10,7 @@ use std::sync::Arc;
 use volgraph_engine::{Findings, ParamOverride, Scene};
 use volgraph_graph::Source;
 use volgraph_nodes::source::transfer::TransferSource;
-use volgraph_optics::{ControlPoint, TransferFunction};
+use volgraph_optics::{ControlPoint, Domain, TransferFunction};
 use volgraph_report::Finding;
 
 use crate::worker::Request;
@@ -115,9 +115,18 @@ impl TransferEdit {
         self.redo.clear();
     }
 
-    /// Replaces the points.
+    /// Replaces the points; those that were dragged out of the domain lie at its ends.
     pub fn set_points(&mut self, points: &[ControlPoint]) -> Vec<Request> {
-        let changed = self.transfer.with_control_points(points);
+        let (low, high) = match self.transfer.domain() {
+            Domain::Data => (f64::NEG_INFINITY, f64::INFINITY),
+            Domain::Range | Domain::Normalised => (0.0, 1.0),
+        };
+        let points = points.iter().map(|point| ControlPoint {
+            at: point.at.clamp(low, high),
+            ..*point
+        });
+        let points: Vec<ControlPoint> = points.collect();
+        let changed = self.transfer.with_control_points(&points);
         self.change(changed)
     }
 

@@ -457,7 +457,18 @@ impl Viewer {
             egui::Slider::new(&mut settings.resolution, 0.25..=2.0).text("pixels per screen pixel"),
         );
         ui.separator();
-        egui::widgets::global_theme_preference_buttons(ui);
+        // In words: the fonts hold no sun and moon.
+        ui.horizontal(|ui| {
+            let mut theme = ui.ctx().options(|options| options.theme_preference);
+            for (preference, name) in [
+                (egui::ThemePreference::System, "As the system"),
+                (egui::ThemePreference::Dark, "Dark"),
+                (egui::ThemePreference::Light, "Light"),
+            ] {
+                ui.selectable_value(&mut theme, preference, name);
+            }
+            ui.ctx().set_theme(theme);
+        });
     }
 
     fn windows(&mut self, ui: &Ui) {

@@ -65,7 +65,7 @@ pub enum Request {
     },
     /// Draws a film.
     Film(Turntable),
-    /// Whether files are not followed and nothing is drawn until asked.
+    /// Whether files are not followed; what is asked for is drawn all the same.
     Pause(bool),
     /// Reads the files again and draws, paused or not.
     Frame,
@@ -138,6 +138,7 @@ impl Worker {
             is_paused: false,
             moved: None,
             is_kept_later: false,
+            wrong: Findings::new(),
             ms_per_pixel: None,
             comparing: None,
             studying: None,
@@ -206,6 +207,8 @@ struct Work {
     moved: Option<Instant>,
     /// Whether the next whole picture is one after a change.
     is_kept_later: bool,
+    /// What is wrong with the files on disk, for as long as it is.
+    wrong: Findings,
     /// By the last frames.
     ms_per_pixel: Option<f64>,
     comparing: Option<JoinHandle<Result<ErrorMap, Findings>>>,
@@ -372,6 +375,7 @@ impl Work {
                 self.ms_per_pixel = None;
                 self.arm_with(session.dependencies().clone());
                 self.session = Some(session);
+                self.wrong = Findings::new();
                 self.tell(Told::forget);
                 match drawn {
                     Ok((picture, frame)) => {
@@ -417,6 +421,10 @@ impl Work {
         let dependencies = session.dependencies().clone();
         self.drawn_size = session.view().size;
         self.arm_with(dependencies);
+        if matches!(change, Change::Files(_)) {
+            let refused = applied.as_ref().err();
+            self.wrong = refused.map_or_else(Findings::new, |refused| refused.findings.clone());
+        }
         match applied {
             Ok(Outcome::Unchanged) => self.show(Findings::new()),
             Ok(Outcome::Drawn(drawn)) => {
@@ -534,7 +542,7 @@ impl Work {
     /// Draws the picture of a still camera, in two steps where that takes long.
     fn refine(&mut self) {
         let is_due = |moved: Instant| moved.elapsed() >= STILL;
-        if self.is_paused || !self.moved.is_some_and(is_due) {
+        if !self.moved.is_some_and(is_due) {
             return;
         }
         let budget = self.budget.as_secs_f64() * 1e3;
@@ -565,8 +573,12 @@ impl Work {
         }
     }
 
-    /// Shows the last frame, with what is wrong with what was tried after it.
-    fn show(&mut self, findings: Findings) {
+    /// Shows the last frame, with what is wrong with what was tried after it. What is wrong on disk stays told while the
+    /// camera moves.
+    fn show(&mut self, mut findings: Findings) {
+        if findings.is_empty() {
+            findings = self.wrong.clone();
+        }
         let full = self.full;
         let Some(session) = &mut self.session else {
             return self.tell(|told| {
