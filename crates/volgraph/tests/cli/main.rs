@@ -18,6 +18,7 @@ mod reference;
 mod set;
 mod stress;
 mod verify;
+mod view;
 mod watch;
 
 use std::path::{Path, PathBuf};
