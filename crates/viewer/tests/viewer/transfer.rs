@@ -40,7 +40,7 @@ fn read(desk: &Desk) -> TransferFunction {
         let scene = told.scene.as_ref().unwrap();
         let source = &scene.sources["colors"];
         let files = source.files();
-        TransferFunction::load(files.iter().next().unwrap()).unwrap()
+        TransferFunction::load(files.first().unwrap()).unwrap()
     })
 }
 
