@@ -37,18 +37,22 @@ struct Params {
 }
 
 struct TechniqueState {
-    unused: f32,
+    has_met: bool,
 }
 
 fn technique_begin(ray: Ray) -> TechniqueState {
-    return TechniqueState(0.0);
+    return TechniqueState(false);
 }
 
 fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ray>, segment: Segment) -> bool {
+    (*state).has_met = true;
     return true;
 }
 
 fn technique_finish(state: TechniqueState, ray: Ray) -> RayResult {
+    if !state.has_met {
+        return ray_nothing();
+    }
     let color = vec3f(params.bright, params.free, f32(params.eighths) / 8.0) * params.gain;
     return RayResult(vec4f(select(color, color.zyx, params.turn == 1u), 1.0), RAY_NO_DEPTH);
 }
@@ -395,6 +399,20 @@ impl Desk {
         self.press(at, button, true, Modifiers::NONE);
         self.press(at, button, false, Modifiers::NONE);
         self.harness.run_steps(2);
+    }
+}
+
+/// Holds pictures to be the same bit for bit.
+#[track_caller]
+pub fn assert_same(a: &Picture, b: &Picture) {
+    assert_eq!([a.width, a.height], [b.width, b.height]);
+    let pairs = a.color.iter().zip(&b.color).enumerate();
+    let mut other = pairs.filter(|(_, (a, b))| a != b);
+    if let Some((at, (a, b))) = other.next() {
+        panic!(
+            "{} pixels differ, first {at}: {a:?} {b:?}",
+            other.count() + 1
+        );
     }
 }
 

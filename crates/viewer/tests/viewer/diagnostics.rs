@@ -2,7 +2,7 @@
 
 use volgraph_viewer::Pane;
 
-use crate::desk::{Desk, FLAT, FLAT_FILE, flat, middle};
+use crate::desk::{Desk, FLAT, FLAT_FILE, assert_same, flat, middle};
 
 #[test]
 fn a_broken_shader_is_told_with_its_place_and_leaves_the_picture() {
@@ -23,7 +23,7 @@ fn a_broken_shader_is_told_with_its_place_and_leaves_the_picture() {
         assert!(told.shown.is_some(), "a picture stays");
         assert!(told.serial >= serial);
     });
-    assert_eq!(desk.settle("the last good picture").color, first.color);
+    assert_same(&desk.settle("the last good picture"), &first);
     assert!(desk.has("View, with the last good picture"));
     // On the tab, in the menu's line and in the panel, with the line that is wrong.
     assert!(desk.has("Messages (1)"));
@@ -72,7 +72,7 @@ fn a_refused_value_leaves_the_picture() {
     let set = volgraph_engine::ParamOverride::parse("image.no_such_thing=3").unwrap();
     desk.ask(volgraph_viewer::Request::Set(vec![set]));
     desk.wait_until("the refusal", |told| !told.findings.is_empty());
-    assert_eq!(desk.settle("the picture before").color, first.color);
+    assert_same(&desk.settle("the picture before"), &first);
     let set = volgraph_engine::ParamOverride::parse("image.bright=0.5").unwrap();
     desk.ask(volgraph_viewer::Request::Set(vec![set]));
     let picture = desk.next("a value that is taken", &first);

@@ -5,7 +5,7 @@ use std::time::Duration;
 use volgraph_engine::Camera;
 use volgraph_viewer::{Request, Told};
 
-use crate::desk::{Desk, FLAT, FLAT_FILE, flat, graph, middle, render};
+use crate::desk::{Desk, FLAT, FLAT_FILE, assert_same, flat, graph, middle, render};
 
 fn dvr() -> String {
     graph(r#"{ "technique": "dvr", "light": "phong" }"#, "{}")
@@ -22,16 +22,16 @@ fn the_picture_is_what_a_session_renders() {
     let mut desk = Desk::open(&dvr());
     let picture = desk.settle("the first picture");
     let size = [picture.width, picture.height];
-    assert_eq!(desk.rendered(&[], size).color, picture.color);
+    assert_same(&desk.rendered(&[], size), &picture);
     // By the camera that the graph describes as well, at the size of the view.
     let described = render(&desk.path(""), "graph.ron", &[], size, None);
-    assert_eq!(described.color, picture.color);
+    assert_same(&described, &picture);
     let camera = desk.told(aside);
     desk.ask(Request::Camera(camera));
     let moved = desk.next("the picture from elsewhere", &picture);
     assert_eq!(desk.told(|told| told.camera.unwrap()), camera);
     assert_ne!(moved.color, picture.color);
-    assert_eq!(desk.rendered(&[], size).color, moved.color);
+    assert_same(&desk.rendered(&[], size), &moved);
 }
 
 /// With no time for a frame, what moves is drawn at an eighth of its width, and what stands still in full.
@@ -61,7 +61,7 @@ fn moving_pictures_are_coarse_where_there_is_no_time_and_still_ones_are_whole() 
     let whole = desk.told(|told| told.refined.clone().unwrap());
     assert_eq!([whole.width, whole.height], [400, 300]);
     assert!(coarse.is_some_and(|[width, _]| width < 400), "{coarse:?}");
-    assert_eq!(desk.rendered(&[], [400, 300]).color, whole.color);
+    assert_same(&desk.rendered(&[], [400, 300]), &whole);
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn paused_files_are_read_when_a_frame_is_asked_for() {
     desk.wait_until("that it goes on", |told| {
         told.looked.is_none() && !told.is_busy
     });
-    assert_eq!(desk.settle("the picture before").color, first.color);
+    assert_same(&desk.settle("the picture before"), &first);
     let before = desk.told(|told| told.refined.clone().unwrap());
     desk.harness.key_press(egui::Key::Enter);
     let read = desk.next("the frame that was asked for", &before);
@@ -87,7 +87,7 @@ fn paused_files_are_read_when_a_frame_is_asked_for() {
     desk.write(FLAT_FILE, FLAT);
     desk.harness.key_press(egui::Key::Space);
     let followed = desk.next("the files again", &read);
-    assert_eq!(followed.color, first.color);
+    assert_same(&followed, &first);
 }
 
 /// A camera that moves while files are not followed is drawn in full all the same.
@@ -100,10 +100,7 @@ fn the_camera_moves_and_comes_to_rest_while_paused() {
     let camera = desk.told(aside);
     desk.ask(Request::Camera(camera));
     let moved = desk.next("the picture from elsewhere", &first);
-    assert_eq!(
-        desk.rendered(&[], [moved.width, moved.height]).color,
-        moved.color
-    );
+    assert_same(&desk.rendered(&[], [moved.width, moved.height]), &moved);
 }
 
 #[test]
@@ -123,13 +120,13 @@ fn a_lost_device_is_opened_again_and_drawing_goes_on() {
     desk.ask(Request::Camera(camera));
     let moved = desk.next("the picture from elsewhere", &first);
     let size = [moved.width, moved.height];
-    assert_eq!(desk.rendered(&[], size).color, moved.color);
+    assert_same(&desk.rendered(&[], size), &moved);
     // Twice, and in the middle of a change.
     desk.told(|told| told.gpu.clone().unwrap()).destroy();
     let set = volgraph_engine::ParamOverride::parse("image.step=0.5").unwrap();
     desk.ask(Request::Set(vec![set]));
     let finer = desk.next("a finer picture", &moved);
-    assert_eq!(desk.rendered(&["image.step=0.5"], size).color, finer.color);
+    assert_same(&desk.rendered(&["image.step=0.5"], size), &finer);
 }
 
 #[test]
@@ -145,7 +142,7 @@ fn another_graph_takes_the_place_and_a_bad_one_leaves_a_picture() {
     let other = desk.next("the other graph", &first);
     let size = [other.width, other.height];
     let own = render(&desk.path(""), "other.ron", &[], size, None);
-    assert_eq!(own.color, other.color);
+    assert_same(&own, &other);
     desk.write("bad.ron", "(nodes: {");
     let file = desk.path("bad.ron");
     desk.harness.state_mut().take_file(&file);
@@ -158,7 +155,7 @@ fn another_graph_takes_the_place_and_a_bad_one_leaves_a_picture() {
     let mended = desk.next("the mended graph", &other);
     assert_eq!(middle(&mended), [0.25, 0.5, 0.25, 1.0]);
     assert_eq!([mended.width, mended.height], size);
-    assert!(mended.color == first.color);
+    assert_same(&mended, &first);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use egui_kittest::kittest::Queryable;
 use volgraph_viewer::{Pane, Request};
 
-use crate::desk::{Desk, flat, graph};
+use crate::desk::{Desk, assert_same, flat, graph};
 
 #[test]
 fn nodes_are_listed_and_looked_at() {
@@ -38,7 +38,7 @@ fn nodes_are_listed_and_looked_at() {
         told.looked.is_none() && !told.is_busy
     });
     assert!(!desk.shows(&size) && !desk.has("Close"));
-    assert_eq!(desk.settle("the picture").color, picture.color);
+    assert_same(&desk.settle("the picture"), &picture);
 }
 
 /// Gradients, distances, tables, colours: whatever a node writes can be looked at.
@@ -83,7 +83,7 @@ fn every_port_can_be_looked_at() {
     desk.wait_until("that nothing is looked at", |told| {
         told.looked.is_none() && !told.is_busy
     });
-    assert_eq!(desk.settle("the picture").color, first.color);
+    assert_same(&desk.settle("the picture"), &first);
 }
 
 /// A port that is not there is told, and what was looked at before stays.

@@ -3,7 +3,7 @@
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
 
-use crate::desk::{Desk, flat, graph, middle};
+use crate::desk::{Desk, assert_same, flat, graph, middle};
 
 fn spin(desk: &Desk, label: &'static str) -> f64 {
     let node = desk.named(Role::SpinButton, label);
@@ -66,7 +66,7 @@ fn each_kind_of_control_reaches_the_shader_and_shows_its_value() {
         ],
         [picture.width, picture.height],
     );
-    assert_eq!(own.color, picture.color);
+    assert_same(&own, &picture);
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn a_given_value_goes_back_to_its_default_by_a_button() {
     assert_eq!(middle(&changed)[0], 1.0);
     desk.click("default");
     let back = desk.next("the default", &changed);
-    assert_eq!(back.color, first.color);
+    assert_same(&back, &first);
     assert!(!desk.has("default"), "it has its default");
 }
 
@@ -142,7 +142,7 @@ fn nodes_open_by_their_names() {
         &["background.pattern=\"checker\""],
         [picture.width, picture.height],
     );
-    assert_eq!(own.color, picture.color);
+    assert_same(&own, &picture);
 }
 
 /// Every control has a name that assistive technologies can say.

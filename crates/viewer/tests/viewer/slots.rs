@@ -2,26 +2,26 @@
 
 use egui::accesskit::Role;
 
-use crate::desk::{Desk, flat, graph, middle};
+use crate::desk::{Desk, assert_same, flat, graph, middle};
 
 #[test]
 fn another_technique_makes_its_picture_and_the_first_comes_back_bit_for_bit() {
     let mut desk = Desk::open(&graph(r#"{ "technique": "dvr" }"#, "{}"));
     let dvr = desk.settle("the first picture");
     let size = [dvr.width, dvr.height];
-    assert_eq!(desk.rendered(&[], size).color, dvr.color);
+    assert_same(&desk.rendered(&[], size), &dvr);
     desk.pick("technique", "mip");
     let mip = desk.next("the other technique", &dvr);
     assert_ne!(mip.color, dvr.color);
     let own = desk.rendered(&["image.slots.technique=\"mip\""], size);
-    assert_eq!(own.color, mip.color);
+    assert_same(&own, &mip);
     assert_eq!(
         desk.named(Role::ComboBox, "technique").value().as_deref(),
         Some("mip")
     );
     desk.pick("technique", "dvr");
     let back = desk.next("the first technique", &mip);
-    assert_eq!(back.color, dvr.color);
+    assert_same(&back, &dvr);
 }
 
 /// The user's own shaders are in the menu, and their parameters are in the panel as soon as they are used.
@@ -45,7 +45,7 @@ fn own_shaders_are_offered_with_their_parameters() {
                 .as_ref()
                 .is_some_and(|now| !std::sync::Arc::ptr_eq(now, &picture))
     });
-    assert_eq!(desk.settle("the technique before").color, first.color);
+    assert_same(&desk.settle("the technique before"), &first);
 }
 
 /// A shader that is dropped into the window fills the slot that its folder is named after.

@@ -9,7 +9,7 @@ use volgraph_engine::Picture;
 use volgraph_optics::TransferFunction;
 use volgraph_viewer::Pane;
 
-use crate::desk::{Desk, graph};
+use crate::desk::{Desk, assert_same, graph};
 
 const CURVE: &str = "Transfer function curve";
 
@@ -64,11 +64,11 @@ fn a_dragged_point_changes_the_picture_and_is_taken_back_and_again() {
     assert!(is_enabled(&desk, "Undo") && !is_enabled(&desk, "Redo"));
     desk.click("Undo");
     let undone = desk.next("what was before", &dragged);
-    assert_eq!(undone.color, first.color);
+    assert_same(&undone, &first);
     assert!(!is_enabled(&desk, "Undo"), "a drag is one step");
     desk.click("Redo");
     let redone = desk.next("the edit again", &undone);
-    assert_eq!(redone.color, dragged.color);
+    assert_same(&redone, &dragged);
 }
 
 /// The picture after all that was asked has come: what a session of its own draws of the same file.
@@ -129,7 +129,7 @@ fn points_come_by_double_clicks_and_go_by_right_clicks() {
     assert!((points[2].at - 0.75).abs() < 0.01 && (points[2].opacity - 0.9).abs() < 0.01);
     desk.click_at(at, PointerButton::Secondary);
     let removed = desk.next("the picture without it", &added);
-    assert_eq!(removed.color, first.color);
+    assert_same(&removed, &first);
     assert_eq!(read(&desk).control_points().len(), 3);
 }
 
@@ -160,11 +160,8 @@ fn a_colour_map_is_picked_and_saved() {
     assert!(!is_enabled(&desk, "Save"), "it is saved");
     // The graph as it is on disk now is what is shown.
     let shown = desk.settle("the saved function's picture");
-    assert_eq!(shown.color, mapped.color);
-    assert_eq!(
-        desk.rendered(&[], [shown.width, shown.height]).color,
-        shown.color
-    );
+    assert_same(&shown, &mapped);
+    assert_same(&desk.rendered(&[], [shown.width, shown.height]), &shown);
 }
 
 /// An edit of the file on disk is taken over where nothing is edited in the window.
