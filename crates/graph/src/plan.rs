@@ -1,5 +1,6 @@
 //! The plan: a graph with everything decided, and what it answers for each frame.
 
+mod late;
 mod members;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -11,6 +12,7 @@ use serde::Serialize;
 use volgraph_report::{Finding, Findings};
 use volgraph_shader::{Binding, BindingKind, MemberType, StructLayout, UniformWriter};
 
+use self::late::{link_late, without_late_outputs};
 use self::members::{camera_members, lens_members};
 use crate::camera::{Camera, CameraDesc, View};
 use crate::check::{BindingSource, PARAMS_TABLE, binding_source, check};
@@ -93,7 +95,8 @@ impl Plan {
     /// # Errors
     /// All findings of the first phase that has any.
     pub fn build(request: PlanRequest<'_>) -> Result<Self, Findings> {
-        let mut resolved = resolve(request.desc, request.sources, request.registry)?;
+        let (desc, late) = without_late_outputs(request.desc);
+        let mut resolved = resolve(&desc, request.sources, request.registry)?;
         for (name, of, port) in request.extra_outputs {
             let Some(link) = resolved.outputs.get(*of).cloned() else {
                 continue;
@@ -110,7 +113,8 @@ impl Plan {
                 resolved.outputs.insert((*name).to_owned(), link);
             }
         }
-        let demanded = demand(resolved, request.registry, request.shaders, request.limits)?;
+        let mut demanded = demand(resolved, request.registry, request.shaders, request.limits)?;
+        link_late(&mut demanded, &late)?;
         check(&demanded)?;
         let (graph, culled) = cull(&demanded);
         let order = order(&graph);

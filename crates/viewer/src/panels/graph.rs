@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use egui::{ComboBox, Grid, ScrollArea, Slider, TextureHandle, Ui};
 use egui_plot::{Legend, Line, Plot, PlotPoints};
+use volgraph_graph::{PlannedResource, ResourceKind};
 
 use crate::looked::Looked;
 use crate::worker::{Request, Told};
@@ -86,7 +87,10 @@ impl GraphPanel {
                             None => String::new(),
                         });
                         ui.horizontal(|ui| {
-                            for output in &node.outputs {
+                            let is_texture = |output: &&PlannedResource| {
+                                matches!(output.resource, ResourceKind::Texture { .. })
+                            };
+                            for output in node.outputs.iter().filter(is_texture) {
                                 let port = format!("{}.{}", node.name, output.port);
                                 if ui
                                     .small_button("Look")
