@@ -11,6 +11,8 @@ pub struct Measured {
     pub pictures: usize,
     /// Milliseconds between two pictures, rising.
     pub between_ms: Vec<f64>,
+    /// Milliseconds of drawing each picture, rising.
+    pub drawing_ms: Vec<f64>,
     /// Milliseconds of the interface's own work for each of its frames, rising: panels, layout and their shapes.
     pub interface_ms: Vec<f64>,
     /// Width and height of the pictures while moving.
@@ -48,9 +50,10 @@ impl Measurement {
     /// Takes note of a frame of the interface that took so long, and moves the camera on where a new picture has come.
     /// The result, when it is over.
     pub fn step(&mut self, viewer: &mut Viewer, interface: Duration) -> Option<Measured> {
-        let (serial, size) = {
+        let (serial, size, drawing_ms) = {
             let told = viewer.worker().told();
-            (told.serial, told.shown.as_ref().map(|shown| shown.size))
+            let size = told.shown.as_ref().map(|shown| shown.size);
+            (told.serial, size, told.frame_ms)
         };
         let size = size?;
         let now = Instant::now();
@@ -65,6 +68,7 @@ impl Measurement {
                 self.measured
                     .between_ms
                     .push((now - since).as_secs_f64() * 1e3);
+                self.measured.drawing_ms.push(drawing_ms);
                 self.measured.moving = size;
             }
             self.measured.pictures += 1;
@@ -76,6 +80,7 @@ impl Measurement {
         }
         let mut measured = std::mem::take(&mut self.measured);
         measured.between_ms.sort_by(f64::total_cmp);
+        measured.drawing_ms.sort_by(f64::total_cmp);
         measured.interface_ms.sort_by(f64::total_cmp);
         Some(measured)
     }

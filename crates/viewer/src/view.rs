@@ -93,14 +93,19 @@ impl View {
             }
         }
         let painter = ui.painter_at(rect);
-        painter.rect_filled(rect, 0.0, Color32::BLACK);
         let picture = match shot {
             Some(shot) => {
                 let place = fitted(rect, shot.size);
+                if place != rect {
+                    painter.rect_filled(rect, 0.0, Color32::BLACK);
+                }
                 painter.image(shot.id, place, whole(), Color32::WHITE);
                 place
             }
-            None => rect,
+            None => {
+                painter.rect_filled(rect, 0.0, Color32::BLACK);
+                rect
+            }
         };
         self.overlay(ui, &painter, picture, told, settings, &response);
         if let Some(navigation) = &self.navigation {

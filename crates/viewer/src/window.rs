@@ -124,6 +124,10 @@ fn run(
             .with_drag_and_drop(true),
         wgpu_options: WgpuConfiguration {
             wgpu_setup: setup,
+            surface: eframe::egui_wgpu::SurfaceConfig {
+                present_mode: eframe::wgpu::PresentMode::AutoNoVsync,
+                desired_maximum_frame_latency: None,
+            },
             ..Default::default()
         },
         run_and_return: true,
@@ -148,6 +152,12 @@ fn run(
                     storage.and_then(|storage| eframe::get_value(storage, "layout")),
                 );
                 viewer.remember(graph);
+            }
+            if gpu.adapter().class == "software" {
+                // Soft edges have several times the vertices, which the processor computes.
+                context
+                    .egui_ctx
+                    .tessellation_options_mut(|options| options.feathering = false);
             }
             let wake = context.egui_ctx.clone();
             viewer.worker().on_told(move || wake.request_repaint());
@@ -232,7 +242,8 @@ impl eframe::App for Window {
         let start = Instant::now();
         viewer.show(ui, shot);
         if let Some((measurement, result)) = &mut self.measurement {
-            ui.ctx().request_repaint();
+            // A still scene has to be looked at as well, to see the end.
+            ui.ctx().request_repaint_after(Duration::from_millis(200));
             if let Some(measured) = measurement.step(viewer, start.elapsed()) {
                 *result.lock().unwrap_or_else(PoisonError::into_inner) = Some(measured);
                 ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);

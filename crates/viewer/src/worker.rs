@@ -6,6 +6,7 @@
 
 mod export;
 mod follow;
+mod pace;
 mod told;
 
 use std::collections::BTreeSet;
@@ -24,6 +25,7 @@ use volgraph_watch::{FileWatch, WatchOptions};
 pub use export::Turntable;
 pub use told::{ErrorMap, Note, Told};
 
+use self::pace::Pace;
 use crate::looked::Looked;
 
 /// How often files are looked after where nothing is asked.
@@ -31,9 +33,6 @@ const TICK: Duration = Duration::from_millis(15);
 
 /// How long the camera stands still before the picture is refined.
 const STILL: Duration = Duration::from_millis(200);
-
-/// The shares of the full width that moving pictures have: few, as each has memory of its own made for it.
-const SHARES: [f64; 7] = [1.0, 0.75, 0.5, 0.375, 0.25, 0.1875, 0.125];
 
 /// What the interface asks for.
 #[derive(Clone, Debug)]
@@ -139,7 +138,7 @@ impl Worker {
             moved: None,
             is_kept_later: false,
             wrong: Findings::new(),
-            ms_per_pixel: None,
+            pace: Pace::default(),
             comparing: None,
             studying: None,
             to_study: None,
@@ -209,8 +208,8 @@ struct Work {
     is_kept_later: bool,
     /// What is wrong with the files on disk, for as long as it is.
     wrong: Findings,
-    /// By the last frames.
-    ms_per_pixel: Option<f64>,
+    /// How coarsely it is drawn while it moves.
+    pace: Pace,
     comparing: Option<JoinHandle<Result<ErrorMap, Findings>>>,
     studying: Option<JoinHandle<Result<RayStudy, Findings>>>,
     /// The pixel to study next.
@@ -372,7 +371,7 @@ impl Work {
             Ok(mut session) => {
                 let drawn = session.render_checked();
                 self.drawn_size = session.view().size;
-                self.ms_per_pixel = None;
+                self.pace = Pace::default();
                 self.arm_with(session.dependencies().clone());
                 self.session = Some(session);
                 self.wrong = Findings::new();
@@ -496,15 +495,8 @@ impl Work {
     }
 
     /// The size for which a frame fits the budget.
-    fn coarse(&self) -> [u32; 2] {
-        let Some(ms_per_pixel) = self.ms_per_pixel else {
-            return self.full;
-        };
-        let budget = self.budget.as_secs_f64() * 1e3;
-        let fits = |size: &[u32; 2]| ms_per_pixel * pixels(*size) <= budget;
-        let sizes = SHARES.map(|share| scaled(self.full, share));
-        let last = sizes[sizes.len() - 1];
-        sizes.into_iter().find(fits).unwrap_or(last)
+    fn coarse(&mut self) -> [u32; 2] {
+        scaled(self.full, self.pace.share(self.budget))
     }
 
     fn draw_at(&mut self, size: [u32; 2]) {
@@ -529,13 +521,15 @@ impl Work {
 
     /// Takes note of what a frame of the last size took. Frames of which nothing had to be drawn teach nothing.
     fn learn(&mut self, milliseconds: f64) {
-        let pixels = pixels(self.drawn_size);
-        if milliseconds < 0.05 || pixels < 1.0 {
+        if milliseconds < 0.05 {
             return;
         }
-        let now = milliseconds / pixels;
-        let smooth = self.ms_per_pixel.map_or(now, |old| 0.5 * (old + now));
-        self.ms_per_pixel = Some(smooth);
+        let share = self.pace.share(self.budget);
+        if self.drawn_size == self.full {
+            self.pace.learn(1.0, milliseconds, self.budget);
+        } else if self.drawn_size == scaled(self.full, share) {
+            self.pace.learn(share, milliseconds, self.budget);
+        }
         self.tell(|told| told.frame_ms = milliseconds);
     }
 
@@ -547,7 +541,7 @@ impl Work {
         }
         let budget = self.budget.as_secs_f64() * 1e3;
         let half = scaled(self.full, 0.5);
-        let full_ms = self.ms_per_pixel.unwrap_or(0.0) * pixels(self.full);
+        let full_ms = self.pace.full_ms();
         if pixels(self.drawn_size) < pixels(half) && full_ms > 4.0 * budget {
             // Looked at again at once: a request comes first.
             return self.draw_at(half);

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use egui::{
-    Color32, ComboBox, DragValue, Key, Modifiers, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2,
+    Color32, ComboBox, DragValue, Key, Mesh, Modifiers, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2,
 };
 use volgraph_engine::presets::presets;
 use volgraph_optics::{ControlPoint, TransferFunction, color_map_names};
@@ -435,27 +435,35 @@ fn histogram(
         .fold(0.0, f64::max)
         .max(1e-9);
     let width = (histogram.hi - histogram.lo) / histogram.counts.len().max(1) as f64;
+    // One mesh without soft edges: drivers on the processor pay for each vertex.
+    let mut mesh = Mesh::default();
     for (bin, count) in histogram.counts.iter().enumerate() {
         let low = histogram.lo + bin as f64 * width;
         let top = frame.place(low, height(*count) / most * 0.95);
         let foot = frame.place(low + width, 0.0);
-        painter.rect_filled(
-            Rect::from_two_pos(top, foot),
-            0.0,
-            color.gamma_multiply(0.45),
-        );
+        mesh.add_colored_rect(Rect::from_two_pos(top, foot), color.gamma_multiply(0.45));
     }
+    painter.add(mesh);
 }
 
 /// The colours along the scalars, at the foot of the curve.
 fn colors(painter: &egui::Painter, frame: &Frame, edit: &TransferEdit, scale: Scale) {
-    let columns = frame.rect.width().max(1.0) as usize;
-    for column in (0..columns).step_by(2) {
-        let x = frame.rect.left() + column as f32;
+    let columns = (frame.rect.width() / 4.0).max(1.0) as u32;
+    let mut mesh = Mesh::default();
+    for column in 0..=columns {
+        let share = column as f32 / columns as f32;
+        let x = frame.rect.left() + share * frame.rect.width();
         let scalar = scale.scalar(frame.data(pos2(x, 0.0)));
-        let foot = Rect::from_min_size(pos2(x, frame.rect.bottom() - 8.0), vec2(2.0, 8.0));
-        painter.rect_filled(foot, 0.0, srgb(edit.transfer.color(scalar)));
+        let color = srgb(edit.transfer.color(scalar));
+        mesh.colored_vertex(pos2(x, frame.rect.bottom() - 8.0), color);
+        mesh.colored_vertex(pos2(x, frame.rect.bottom()), color);
+        if column > 0 {
+            let last = 2 * column + 1;
+            mesh.add_triangle(last - 3, last - 2, last - 1);
+            mesh.add_triangle(last - 2, last - 1, last);
+        }
     }
+    painter.add(mesh);
 }
 
 /// Linear RGB on the screen.

@@ -26,9 +26,10 @@ pub fn run(args: &ViewArgs) -> anyhow::Result<ExitCode> {
         format!("{name:<28}{middle:>8.1} ms  (10 % {low:.1}, 90 % {high:.1})")
     };
     output::print(&format!(
-        "{} pictures of {width}x{height} while moving\n{}\n{}",
+        "{} pictures of {width}x{height} while moving\n{}\n{}\n{}",
         measured.between_ms.len(),
         row("from picture to picture", &measured.between_ms),
+        row("drawing a picture", &measured.drawing_ms),
         row("the interface's own work", &measured.interface_ms),
     ));
     Ok(ExitCode::SUCCESS)
