@@ -77,7 +77,11 @@ pub fn graph(data: &[u8]) {
         let cube = [-1.0, 1.0].map(|side| [side; 3].into());
         for size in [[300, 600], [600, 300]] {
             let camera = camera.fit(&cube, f64::from(size[0]) / f64::from(size[1]));
-            let view = View { camera, size };
+            let view = View {
+                camera,
+                size,
+                window: None,
+            };
             let _ = (view.lens(), view.pixel_bounds(&cube));
         }
     }

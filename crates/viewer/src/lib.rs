@@ -7,6 +7,7 @@
 //! render` gives. Panels are functions of what was told, and change nothing but by requests, so they are tested without
 //! a window. [`open`] brings both into a window that draws with the session's own device.
 
+mod blit;
 mod export;
 mod handles;
 mod histogram;
@@ -22,12 +23,12 @@ mod window;
 mod worker;
 mod write_back;
 
+pub use blit::Shot;
 pub use looked::{Looked, LookedPlane};
 pub use measure::Measured;
 pub use navigate::{Axis, Navigation};
 pub use settings::{Pane, Settings};
 pub use transfer::TransferEdit;
-pub use view::Shot;
 pub use viewer::Viewer;
 pub use window::{measure, open};
 pub use worker::{ErrorMap, Note, Request, Told, Turntable, Worker, WorkerOptions};

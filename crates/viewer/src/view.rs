@@ -9,6 +9,7 @@ use egui::{
 use glam::DVec3;
 use volgraph_engine::Picture;
 
+use crate::blit::Shot;
 use crate::handles;
 use crate::histogram::first_volume;
 use crate::navigate::{Axis, Navigation};
@@ -18,15 +19,6 @@ use crate::worker::{ErrorMap, Request, Told};
 
 /// Share of the radius that a walker takes in a second.
 const WALK: f64 = 0.5;
-
-/// The picture of the device, as the interface knows it.
-#[derive(Clone, Copy, Debug)]
-pub struct Shot {
-    /// The texture.
-    pub id: TextureId,
-    /// Width and height in pixels.
-    pub size: [u32; 2],
-}
 
 /// What the view remembers between frames.
 #[derive(Default)]
@@ -70,7 +62,7 @@ impl View {
         &mut self,
         ui: &mut Ui,
         told: &Told,
-        shot: Option<Shot>,
+        shot: Option<&Shot>,
         settings: &mut Settings,
         crosshair: Option<DVec3>,
     ) -> Vec<Request> {
@@ -99,7 +91,7 @@ impl View {
                 if place != rect {
                     painter.rect_filled(rect, 0.0, Color32::BLACK);
                 }
-                painter.image(shot.id, place, whole(), Color32::WHITE);
+                shot.paint(&painter, place);
                 place
             }
             None => {

@@ -5,6 +5,7 @@ use std::path::Path;
 use egui::{Key, KeyboardShortcut, Modifiers, Ui};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, Tiles, Tree, UiResponse};
 
+use crate::blit::Shot;
 use crate::export::Export;
 use crate::histogram::{Histograms, first_volume};
 use crate::navigate::Axis;
@@ -14,7 +15,7 @@ use crate::panels::transfer::TransferSight;
 use crate::panels::{messages, parameters, ray, transfer};
 use crate::settings::{Overlay, Pane, Settings};
 use crate::transfer::TransferEdit;
-use crate::view::{Shot, View};
+use crate::view::View;
 use crate::worker::{Request, Told, Worker};
 use crate::write_back;
 
@@ -171,7 +172,7 @@ impl Viewer {
     }
 
     /// Draws the interface; `shot` is the picture as the interface's renderer knows it.
-    pub fn show(&mut self, ui: &mut Ui, shot: Option<Shot>) {
+    pub fn show(&mut self, ui: &mut Ui, shot: Option<&Shot>) {
         let mut requests = Vec::new();
         self.take_dropped(ui);
         self.shortcuts(ui, &mut requests);
@@ -548,7 +549,7 @@ impl Viewer {
 /// The panels, as the layout shows them.
 struct Panes<'a> {
     told: &'a Told,
-    shot: Option<Shot>,
+    shot: Option<&'a Shot>,
     settings: &'a mut Settings,
     panels: &'a mut Panels,
     requests: &'a mut Vec<Request>,

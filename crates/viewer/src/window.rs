@@ -8,12 +8,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupExisting};
+use eframe::wgpu::TextureView;
 use volgraph_engine::{Findings, Gpu};
 use volgraph_report::Finding;
 
+use crate::blit::Shot;
 use crate::measure::{Measured, Measurement};
 use crate::settings::Settings;
-use crate::view::Shot;
 use crate::viewer::Viewer;
 use crate::worker::{Worker, WorkerOptions};
 
@@ -180,7 +181,7 @@ struct Window {
     next: Arc<Mutex<Option<Arc<Gpu>>>>,
     gpu: Arc<Gpu>,
     /// The picture that the interface knows, by its serial.
-    shot: Option<(u64, Shot)>,
+    shot: Option<(u64, TextureView, Shot)>,
     /// What is measured, and where the result goes.
     measurement: Option<(Measurement, Arc<Mutex<Option<Measured>>>)>,
 }
@@ -191,31 +192,18 @@ impl Window {
         let viewer = self.viewer.as_ref()?;
         let told = viewer.worker().told();
         let shown = told.shown.as_ref()?;
-        if self.shot.is_some_and(|(serial, _)| serial == told.serial)
+        if (self.shot.as_ref()).is_some_and(|(serial, _, _)| *serial == told.serial)
             || !Arc::ptr_eq(&shown.gpu, &self.gpu)
         {
             return None;
         }
         let state = frame.wgpu_render_state()?;
-        let mut renderer = state.renderer.write();
-        let filter = eframe::wgpu::FilterMode::Linear;
-        let id = match self.shot {
-            Some((_, shot)) => {
-                renderer.update_egui_texture_from_wgpu_texture(
-                    &state.device,
-                    &shown.view,
-                    filter,
-                    shot.id,
-                );
-                shot.id
-            }
-            None => renderer.register_native_texture(&state.device, &shown.view, filter),
+        // The same texture mostly holds the next picture as well.
+        let shot = match self.shot.take() {
+            Some((_, view, shot)) if view == shown.view => shot,
+            _ => Shot::new(state, &shown.view, shown.size),
         };
-        let shot = Shot {
-            id,
-            size: shown.size,
-        };
-        self.shot = Some((told.serial, shot));
+        self.shot = Some((told.serial, shown.view.clone(), shot));
         Some(())
     }
 
@@ -235,7 +223,7 @@ impl eframe::App for Window {
             return;
         }
         self.take_picture(frame);
-        let shot = self.shot.map(|(_, shot)| shot);
+        let shot = self.shot.as_ref().map(|(_, _, shot)| shot);
         let Some(viewer) = &mut self.viewer else {
             return;
         };
