@@ -43,6 +43,11 @@ impl View {
     pub fn forget(&mut self) {
         self.navigation = None;
         self.has_moved = false;
+        self.leave_window();
+    }
+
+    /// Lets go of textures: another window makes its own.
+    pub fn leave_window(&mut self) {
         self.before = None;
         self.difference = None;
         self.errors = None;

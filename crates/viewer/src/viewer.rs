@@ -141,6 +141,13 @@ impl Viewer {
         }
     }
 
+    /// Lets go of what belongs to a window that was closed.
+    pub(crate) fn leave_window(&mut self) {
+        self.panels.view.leave_window();
+        self.panels.graph.leave_window();
+        self.panels.slices.leave_window();
+    }
+
     /// Where the panels are.
     #[must_use]
     pub fn layout(&self) -> &Tree<Pane> {

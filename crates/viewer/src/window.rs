@@ -251,6 +251,10 @@ impl eframe::App for Window {
 
 impl Drop for Window {
     fn drop(&mut self) {
-        *self.kept.lock().unwrap_or_else(PoisonError::into_inner) = self.viewer.take();
+        let mut viewer = self.viewer.take();
+        if let Some(viewer) = &mut viewer {
+            viewer.leave_window();
+        }
+        *self.kept.lock().unwrap_or_else(PoisonError::into_inner) = viewer;
     }
 }

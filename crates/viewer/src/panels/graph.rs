@@ -34,6 +34,11 @@ impl Default for GraphPanel {
 }
 
 impl GraphPanel {
+    /// Lets go of textures: another window makes its own.
+    pub fn leave_window(&mut self) {
+        self.texture = None;
+    }
+
     pub fn show(&mut self, ui: &mut Ui, told: &Told) -> Vec<Request> {
         let Some(plan) = &told.plan else {
             ui.weak("No graph is open.");

@@ -32,6 +32,11 @@ const PLANES: [(usize, usize, usize, &str); 3] = [
 ];
 
 impl SlicesPanel {
+    /// Lets go of textures: another window makes its own.
+    pub fn leave_window(&mut self) {
+        self.textures = Default::default();
+    }
+
     /// World position of the crosshair, where there is one.
     pub fn crosshair(&self, digest: Digest, volume: &Volume) -> Option<DVec3> {
         let is_there = self.of == Some(digest);
