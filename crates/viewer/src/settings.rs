@@ -97,7 +97,8 @@ pub struct Settings {
     pub has_color_bar: bool,
     /// Whether the mouse looks around and keys walk.
     pub is_walking: bool,
-    /// What stands over the picture.
+    /// What stands over the picture; a new window shows the picture alone.
+    #[serde(skip)]
     pub overlay: Overlay,
     /// Where the wipe stands, 0 to 1.
     pub wipe: f32,

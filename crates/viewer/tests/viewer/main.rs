@@ -8,6 +8,7 @@ mod drawing;
 mod graph;
 mod menus;
 mod parameters;
+mod ray;
 mod slices;
 mod slots;
 mod transfer;
