@@ -38,6 +38,8 @@ pub struct TransferEdit {
     is_applied: bool,
     /// Whether edits belong to one drag, and so to one step.
     is_dragging: bool,
+    /// The points where a drag of all of them began, and by how much it has shifted and stretched them.
+    whole: Option<(Vec<ControlPoint>, f64, f64)>,
 }
 
 impl TransferEdit {
@@ -58,6 +60,7 @@ impl TransferEdit {
                 scratch: None,
                 is_applied: false,
                 is_dragging: false,
+                whole: None,
             })
         })
     }
@@ -105,6 +108,7 @@ impl TransferEdit {
     /// Ends a drag.
     pub fn end_drag(&mut self) {
         self.is_dragging = false;
+        self.whole = None;
     }
 
     fn push(&mut self) {
@@ -149,14 +153,23 @@ impl TransferEdit {
     }
 
     /// Shifts and stretches all points: scalars `s` become `middle + (s - middle) · stretch + shift`.
+    ///
+    /// Of one drag all shifts and stretches count from where it began: what was pushed against an end comes back.
     pub fn window(&mut self, shift: f64, stretch: f64) -> Vec<Request> {
-        let mut points = self.points();
+        let (mut points, before_shift, before_stretch) = match self.whole.take() {
+            Some(whole) => whole,
+            None => (self.points(), 0.0, 1.0),
+        };
+        let (shift, stretch) = (before_shift + shift, before_stretch * stretch.max(1e-3));
+        if self.is_dragging {
+            self.whole = Some((points.clone(), shift, stretch));
+        }
         let (Some(first), Some(last)) = (points.first(), points.last()) else {
             return Vec::new();
         };
         let middle = 0.5 * (first.at + last.at);
         for point in &mut points {
-            point.at = middle + (point.at - middle) * stretch.max(1e-3) + shift;
+            point.at = middle + (point.at - middle) * stretch + shift;
         }
         self.set_points(&points)
     }
@@ -258,4 +271,48 @@ fn replace(file: &Path, text: &str) -> std::io::Result<()> {
     }
     beside.persist(file).map_err(|error| error.error)?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn edit() -> TransferEdit {
+        let text = r##"(points: [(at: 0.25, color: "#000000", opacity: 0), (at: 0.75, color: "#ffffff", opacity: 0.5)])"##;
+        TransferEdit {
+            source: "colors".to_owned(),
+            transfer: Arc::new(TransferFunction::parse(Path::new("test.ron"), text).unwrap()),
+            selected: None,
+            is_panel_dragging: false,
+            findings: Findings::new(),
+            file: PathBuf::new(),
+            undo: Vec::new(),
+            redo: Vec::new(),
+            scratch: None,
+            is_applied: false,
+            is_dragging: false,
+            whole: None,
+        }
+    }
+
+    #[test]
+    fn what_a_drag_pushes_against_an_end_comes_back_and_is_one_step() {
+        let mut edit = edit();
+        let places = |edit: &TransferEdit| -> Vec<f64> {
+            edit.points().iter().map(|point| point.at).collect()
+        };
+        edit.begin_drag();
+        edit.window(0.5, 1.0);
+        assert_eq!(places(&edit), [0.75, 1.0]);
+        edit.window(-0.5, 1.0);
+        assert_eq!(places(&edit), [0.25, 0.75]);
+        edit.window(0.0, 2.0);
+        assert_eq!(places(&edit), [0.0, 1.0]);
+        edit.end_drag();
+        edit.undo();
+        assert_eq!(
+            (places(&edit), edit.steps()),
+            (vec![0.25, 0.75], (false, true))
+        );
+    }
 }
