@@ -30,6 +30,8 @@ keep() {
 click() { xdotool mousemove "$1" "$2" click "${3:-1}"; }
 press() { xdotool key "$1"; }
 open() {
+    # Nothing of an earlier window is remembered.
+    rm -rf "$scratch/.local"
     "$volgraph" view "$@" &
     window=$!
     pause 9

@@ -1,6 +1,6 @@
 //! The plan: a graph with everything decided, and what it answers for each frame.
 
-mod late;
+pub(crate) mod late;
 mod members;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,7 +12,7 @@ use serde::Serialize;
 use volgraph_report::{Finding, Findings};
 use volgraph_shader::{Binding, BindingKind, MemberType, StructLayout, UniformWriter};
 
-use self::late::{link_late, without_late_outputs};
+use self::late::link_late;
 use self::members::{camera_members, lens_members};
 use crate::camera::{Camera, CameraDesc, View};
 use crate::check::{BindingSource, PARAMS_TABLE, binding_source, check};
@@ -95,8 +95,7 @@ impl Plan {
     /// # Errors
     /// All findings of the first phase that has any.
     pub fn build(request: PlanRequest<'_>) -> Result<Self, Findings> {
-        let (desc, late) = without_late_outputs(request.desc);
-        let mut resolved = resolve(&desc, request.sources, request.registry)?;
+        let mut resolved = resolve(request.desc, request.sources, request.registry)?;
         for (name, of, port) in request.extra_outputs {
             let Some(link) = resolved.outputs.get(*of).cloned() else {
                 continue;
@@ -114,7 +113,7 @@ impl Plan {
             }
         }
         let mut demanded = demand(resolved, request.registry, request.shaders, request.limits)?;
-        link_late(&mut demanded, &late)?;
+        link_late(&mut demanded, request.desc)?;
         check(&demanded)?;
         let (graph, culled) = cull(&demanded);
         let order = order(&graph);

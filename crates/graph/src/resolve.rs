@@ -10,6 +10,7 @@ use volgraph_shader::ParamValue;
 use crate::desc::{EdgeDesc, GraphDesc, NodeDesc};
 use crate::graph::{Graph, Link, Node, NodeBody, Origin, SlotChoice};
 use crate::kind::{NodeKind, Requirement};
+use crate::plan::late::is_late;
 use crate::registry::Registry;
 use crate::source::Source;
 
@@ -64,7 +65,7 @@ pub fn resolve(
             graph.nodes[id].inputs = inputs;
         }
     }
-    for (name, edge) in &desc.outputs {
+    for (name, edge) in desc.outputs.iter().filter(|(_, edge)| !is_late(edge)) {
         if let Some(link) = findings.take(link(desc, &graph, edge)).flatten() {
             graph.outputs.insert(name.clone(), link);
         }

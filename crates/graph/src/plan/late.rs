@@ -1,36 +1,20 @@
 //! Outputs of nodes that shaders have called for.
 
-use std::borrow::Cow;
-
 use volgraph_report::{Finding, Findings, did_you_mean};
 
 use crate::desc::{EdgeDesc, GraphDesc};
 use crate::graph::Graph;
 
-/// The graph without those outputs that may name a node which shaders call for: `node.binding.port`. Such nodes are there
-/// only once the shaders have been asked.
-pub(super) fn without_late_outputs(
-    desc: &GraphDesc,
-) -> (Cow<'_, GraphDesc>, Vec<(String, EdgeDesc)>) {
-    let is_late = |edge: &EdgeDesc| edge.from.matches('.').count() > 1;
-    let late: Vec<_> = desc
-        .outputs
-        .iter()
-        .filter(|(_, edge)| is_late(edge))
-        .map(|(name, edge)| (name.clone(), edge.clone()))
-        .collect();
-    if late.is_empty() {
-        return (Cow::Borrowed(desc), late);
-    }
-    let mut desc = desc.clone();
-    desc.outputs.retain(|_, edge| !is_late(edge));
-    (Cow::Owned(desc), late)
+/// Whether an output may name a node which shaders call for: `node.binding.port`. Such nodes are there only once the
+/// shaders have been asked.
+pub(crate) fn is_late(edge: &EdgeDesc) -> bool {
+    edge.from.matches('.').count() > 1
 }
 
 /// Links outputs to nodes that shaders have called for.
-pub(super) fn link_late(graph: &mut Graph, late: &[(String, EdgeDesc)]) -> Result<(), Findings> {
+pub(super) fn link_late(graph: &mut Graph, desc: &GraphDesc) -> Result<(), Findings> {
     let mut findings = Findings::new();
-    for (name, edge) in late {
+    for (name, edge) in desc.outputs.iter().filter(|(_, edge)| is_late(edge)) {
         let ports = graph.nodes.iter().enumerate().flat_map(|(id, node)| {
             let types = node.output_types().into_iter();
             types.map(move |(port, _)| (id, port, format!("{}.{port}", node.name)))

@@ -13,6 +13,7 @@ use volgraph_engine::{
     ShaderFolders,
 };
 use volgraph_gpu::{AdapterChoice, list_adapters};
+use volgraph_graph::{PlannedResource, ResourceKind};
 use volgraph_viewer::{Request, Settings, Told, Viewer, Worker, WorkerOptions};
 
 /// How long anything may take on a machine that has other things to do.
@@ -249,13 +250,16 @@ impl Desk {
         self.harness.get_by_role_and_label(role, label)
     }
 
-    /// What nodes write, as `node.port`.
+    /// The textures that nodes write, as `node.port`.
     pub fn ports(&self) -> Vec<String> {
         self.told(|told| {
             let plan = told.plan.as_ref().unwrap();
             let nodes = plan.nodes();
             let ports = nodes.iter().flat_map(|node| {
-                let outputs = node.outputs.iter();
+                let is_texture = |output: &&PlannedResource| {
+                    matches!(output.resource, ResourceKind::Texture { .. })
+                };
+                let outputs = node.outputs.iter().filter(is_texture);
                 outputs.map(|output| format!("{}.{}", node.name, output.port))
             });
             ports.collect()
