@@ -15,8 +15,8 @@ use rayon::prelude::*;
 use volgraph_report::{did_you_mean, list_names};
 
 use crate::error::Trouble;
-use crate::voxels::for_scalar_type;
-use crate::{Element, Grid, LoadOptions, ScalarType, Volume, VolumeError, Voxels};
+use crate::for_scalar_type;
+use crate::{Element, Grid, ScalarType, Volume, VolumeError, Voxels};
 
 pub use hydrogen::Hydrogen;
 pub use molecule::C60;
@@ -391,7 +391,7 @@ pub fn sample(
 
 fn sample_on(field: &AnalyticField, grid: Grid, ty: ScalarType) -> Result<Volume, VolumeError> {
     grid.check()?;
-    let limit = crate::load::Limits::of(&LoadOptions::default()).max_bytes;
+    let limit = crate::DEFAULT_MAX_BYTES;
     let count = grid.voxel_count();
     let bytes = count.saturating_mul(ty.size() as u64);
     let too_large = || {

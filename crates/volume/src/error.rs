@@ -23,7 +23,8 @@ pub struct Trouble {
 }
 
 impl Trouble {
-    pub(crate) fn new(cause: impl Into<String>, remedy: impl Into<String>) -> Box<Self> {
+    /// A cause and its remedy; file and line come later, from whoever knows them.
+    pub fn new(cause: impl Into<String>, remedy: impl Into<String>) -> Box<Self> {
         Box::new(Self {
             cause: cause.into(),
             remedy: remedy.into(),
@@ -122,7 +123,8 @@ volume_errors! {
 
 impl VolumeError {
     /// Sets the header line, unless one is known.
-    pub(crate) fn on_line(mut self, line: u32) -> Self {
+    #[must_use]
+    pub fn on_line(mut self, line: u32) -> Self {
         let trouble = self.trouble_mut();
         if trouble.line == 0 && trouble.file.as_os_str().is_empty() {
             trouble.line = line;
@@ -131,7 +133,8 @@ impl VolumeError {
     }
 
     /// Sets the file, unless one is known.
-    pub(crate) fn in_file(mut self, file: &Path) -> Self {
+    #[must_use]
+    pub fn in_file(mut self, file: &Path) -> Self {
         let trouble = self.trouble_mut();
         if trouble.file.as_os_str().is_empty() {
             trouble.file = file.to_path_buf();

@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use crate::voxels::for_voxels;
+use crate::for_voxels;
 use crate::{Element, Voxels};
 
 /// Bins of the histogram that comes with the statistics.

@@ -1,14 +1,17 @@
 //! A volume: voxels on a grid, with a name, a digest and statistics.
 
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use glam::{DVec3, UVec3};
 
 use crate::error::Trouble;
-use crate::voxels::for_voxels;
-use crate::{Grid, Histogram, Statistics, VolumeError, Voxels};
+use crate::for_voxels;
+use crate::{About, Grid, Histogram, Statistics, VolumeError, Voxels};
+
+/// The limit on voxel bytes of one volume where nobody names another: 16 GiB.
+pub const DEFAULT_MAX_BYTES: u64 = 16 << 30;
 
 /// A BLAKE3 digest of grid, type and voxels; displays as 64 hexadecimal digits.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -45,6 +48,8 @@ pub struct Volume {
     name: String,
     grid: Grid,
     voxels: Voxels,
+    about: About,
+    colors: Option<Vec<[u8; 4]>>,
     source_files: Vec<PathBuf>,
     warnings: Vec<String>,
     digest: OnceLock<Digest>,
@@ -73,6 +78,8 @@ impl Volume {
                 name: name.into(),
                 grid,
                 voxels,
+                about: About::default(),
+                colors: None,
                 source_files: Vec::new(),
                 warnings: Vec::new(),
                 digest: OnceLock::new(),
@@ -82,10 +89,53 @@ impl Volume {
         }
     }
 
-    pub(crate) fn with_sources(mut self, files: Vec<PathBuf>, warnings: Vec<String>) -> Self {
+    /// With the files it was read from (header first) and what the reader wants the user to know.
+    #[must_use]
+    pub fn with_sources(mut self, files: Vec<PathBuf>, warnings: Vec<String>) -> Self {
         self.source_files = files;
         self.warnings = warnings;
         self
+    }
+
+    /// With what its file says of it.
+    #[must_use]
+    pub fn with_about(mut self, about: About) -> Self {
+        self.about = about;
+        self
+    }
+
+    /// With a colour per voxel: sRGB-encoded red, green and blue, and alpha, not premultiplied.
+    ///
+    /// # Errors
+    /// [`VolumeError::DataTooShort`] or [`VolumeError::DataTooLong`] where they are not as many as the voxels.
+    pub fn with_colors(mut self, colors: Vec<[u8; 4]>) -> Result<Self, VolumeError> {
+        let (have, want) = (colors.len(), self.voxels.len());
+        let trouble = Trouble::new(
+            format!("{want} voxels need as many colours and got {have}"),
+            "give one colour per voxel",
+        );
+        match have.cmp(&want) {
+            std::cmp::Ordering::Less => Err(VolumeError::DataTooShort(trouble)),
+            std::cmp::Ordering::Greater => Err(VolumeError::DataTooLong(trouble)),
+            std::cmp::Ordering::Equal => {
+                self.colors = Some(colors);
+                self.digest = OnceLock::new();
+                Ok(self)
+            }
+        }
+    }
+
+    /// What its file says of it beside grid and voxels.
+    #[must_use]
+    pub fn about(&self) -> &About {
+        &self.about
+    }
+
+    /// A colour per voxel where the file holds colours: sRGB-encoded red, green and blue, and alpha, not
+    /// premultiplied, in the order of the voxels.
+    #[must_use]
+    pub fn colors(&self) -> Option<&[[u8; 4]]> {
+        self.colors.as_deref()
     }
 
     /// Where the samples lie.
@@ -142,6 +192,10 @@ impl Volume {
                 for_voxels!(&self.voxels, values => for value in values {
                     hasher.update(&value.to_le_bytes());
                 });
+            }
+            if let Some(colors) = &self.colors {
+                hasher.update(b"colors\0");
+                hasher.update_rayon(colors.as_flattened());
             }
             Digest(*hasher.finalize().as_bytes())
         })
@@ -227,15 +281,6 @@ impl fmt::Debug for Volume {
             .field("source_files", &self.source_files)
             .finish_non_exhaustive()
     }
-}
-
-/// A file's name without folder and endings: `a/b.c.nrrd` is `b`.
-pub(crate) fn stem(path: &Path) -> String {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    name.split('.')
-        .find(|part| !part.is_empty())
-        .unwrap_or("volume")
-        .to_owned()
 }
 
 #[cfg(test)]
@@ -338,12 +383,5 @@ mod tests {
         };
         assert_eq!(code(7), "volume-data-too-short");
         assert_eq!(code(9), "volume-data-too-long");
-    }
-
-    #[test]
-    fn a_stem_has_no_endings() {
-        assert_eq!(stem(Path::new("a/b.c.nrrd")), "b");
-        assert_eq!(stem(Path::new("a/.hidden.mha")), "hidden");
-        assert_eq!(stem(Path::new("/")), "volume");
     }
 }

@@ -118,6 +118,7 @@ elements! {
 }
 
 /// Runs `$body` with `$slice` bound to the typed vector inside `$voxels`.
+#[macro_export]
 macro_rules! for_voxels {
     ($voxels:expr, $slice:ident => $body:expr) => {
         match $voxels {
@@ -136,6 +137,7 @@ macro_rules! for_voxels {
 }
 
 /// Runs `$body` with `$type` naming the Rust type of the [`ScalarType`] value `$scalar`.
+#[macro_export]
 macro_rules! for_scalar_type {
     ($scalar:expr, $type:ident => $body:expr) => {
         match $scalar {
@@ -182,8 +184,6 @@ macro_rules! for_scalar_type {
         }
     };
 }
-
-pub(crate) use {for_scalar_type, for_voxels};
 
 impl Voxels {
     /// How many there are.

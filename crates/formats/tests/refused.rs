@@ -7,7 +7,7 @@ use std::path::Path;
 
 use common::{bzip2, gzip, zlib};
 use volgraph_report::Finding;
-use volgraph_volume::{LoadOptions, Volume};
+use volgraph_formats::{LoadOptions, load};
 
 const NRRD: &str =
     "NRRD0004\ntype: short\ndimension: 3\nsizes: 4 4 4\nendian: little\nencoding: raw\n";
@@ -228,7 +228,7 @@ fn meta_cases(full: &[u8]) -> Vec<Case> {
 fn check(folder: &Path, case: &Case) -> Result<(), String> {
     let path = folder.join(case.name);
     std::fs::write(&path, &case.bytes).unwrap();
-    let Err(error) = Volume::load(&path, &LoadOptions::default()) else {
+    let Err(error) = load(&path, &LoadOptions::default()) else {
         return Err("was read".into());
     };
     std::fs::remove_file(&path).unwrap();

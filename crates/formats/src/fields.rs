@@ -2,8 +2,8 @@
 
 use std::str::FromStr;
 
-use crate::VolumeError;
-use crate::error::Trouble;
+use volgraph_volume::{Trouble, VolumeError};
+
 
 /// Most bytes of a header; a longer one is no header.
 pub(crate) const LONGEST_HEADER: u64 = 4 << 20;

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use common::{data_folder, numbers, table, unhex};
-use volgraph_volume::{LoadOptions, Volume};
+use volgraph_formats::{LoadOptions, load};
 
 /// What is wrong with the outcome of a row; empty where nothing is.
 fn compare(row: &HashMap<&str, &str>, path: &Path) -> Result<(), String> {
@@ -15,7 +15,7 @@ fn compare(row: &HashMap<&str, &str>, path: &Path) -> Result<(), String> {
         component: row["component"].parse().ok(),
         ..LoadOptions::default()
     };
-    let volume = match (Volume::load(path, &options), row["outcome"]) {
+    let volume = match (load(path, &options), row["outcome"]) {
         (Ok(volume), "ok") => volume,
         (Ok(_), code) => return Err(format!("read, but expected {code}")),
         (Err(error), code) if error.code() == code => {
@@ -194,7 +194,7 @@ fn classic_raw_volumes_have_the_dimensions_and_ranges_of_the_manifest() {
         let Some(name) = row["file"].strip_prefix("classic/") else {
             continue;
         };
-        let volume = Volume::load(&folder.join(row["file"]), &LoadOptions::default()).unwrap();
+        let volume = load(&folder.join(row["file"]), &LoadOptions::default()).unwrap();
         assert_eq!(
             volume.grid().dims.to_vec(),
             numbers::<u32>(row["dims_xyz"]),

@@ -1,22 +1,26 @@
 //! From the pieces of data that a header describes to typed voxels.
 //!
-//! A [`Job`] says how many elements of which type lie in which [`Piece`]s (one per data file). Before reading,
-//! the total is held against the limit, and a plain piece against its file's length. Then each piece is read:
-//! lines and bytes skipped, the stream decoded, and the vector grown as the stream delivers, at most doubling,
-//! so that a header's word alone allocates nothing. One byte more than expected is an error, one less too.
-//! Last, the byte order is turned where it is not the machine's.
+//! A [`Job`] says how many elements of which type lie in which [`Piece`]s (one per data file). Before reading, what
+//! is wanted is held against the limit, and a plain piece against its file's length. Then each piece is read: lines
+//! and bytes skipped, the stream decoded, and the vector grown as the stream delivers, at most doubling, so that a
+//! header's word alone allocates nothing. One byte more than expected is an error, one less too; behind the elements
+//! of a time step a stream is not read on. Last, the byte order is turned where it is not the machine's.
+//! [`Stored`] is a job whose elements lie along the axes of a file.
 
 use std::io::{self, ErrorKind, Read};
+use std::path::PathBuf;
 
 use bzip2::bufread::MultiBzDecoder;
 use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 
-use crate::error::Trouble;
+use volgraph_volume::{Element, ScalarType, Trouble, VolumeError, Voxels, for_scalar_type};
+
+use crate::axes::Axes;
+use crate::contents::Data;
 use crate::load::Limits;
 use crate::piece::{Encoding, Piece, read_block};
+use crate::rescale::Rescale;
 use crate::text_data;
-use crate::voxels::for_scalar_type;
-use crate::{Element, ScalarType, VolumeError, Voxels};
 
 /// Bytes read between two reports of progress, and the first step of a growing vector.
 const STEP: usize = 1 << 22;
@@ -33,7 +37,14 @@ pub(crate) struct Job<'a> {
 }
 
 impl Job<'_> {
-    pub fn read(&self, limits: &Limits) -> Result<Voxels, VolumeError> {
+    /// The files that hold the voxels.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let files = self.pieces.iter().map(|piece| piece.input.path.clone());
+        files.collect()
+    }
+
+    /// The elements of a run: from which one on, and how many.
+    pub fn read(&self, run: (u64, u64), limits: &Limits) -> Result<Voxels, VolumeError> {
         let too_large = |cause: String, remedy: &str| {
             let error = VolumeError::TooLarge(Trouble::new(cause, remedy));
             match self.pieces.first() {
@@ -41,7 +52,7 @@ impl Job<'_> {
                 None => error,
             }
         };
-        let bytes = u128::from(self.count) * self.scalar_type.size() as u128;
+        let bytes = u128::from(run.1) * self.scalar_type.size() as u128;
         if bytes > u128::from(limits.max_bytes) || usize::try_from(bytes).is_err() {
             return Err(too_large(
                 format!(
@@ -51,18 +62,31 @@ impl Job<'_> {
                 "correct the dimensions, or raise the limit (max_bytes) if they are right",
             ));
         }
-        for_scalar_type!(self.scalar_type, T => self.read_typed::<T>(limits).map(T::wrap))
+        for_scalar_type!(self.scalar_type, T => self.read_typed::<T>(run, limits).map(T::wrap))
     }
 
-    fn read_typed<T: Element>(&self, limits: &Limits) -> Result<Vec<T>, VolumeError> {
+    fn read_typed<T: Element>(
+        &self,
+        (from, count): (u64, u64),
+        limits: &Limits,
+    ) -> Result<Vec<T>, VolumeError> {
         let each = self.count / self.pieces.len().max(1) as u64;
         let mut values: Vec<T> = Vec::new();
-        for piece in &self.pieces {
+        for (start, piece) in (0..).map(|i| i * each).zip(&self.pieces) {
+            // The part of the run that lies in this piece.
+            let begin = from.clamp(start, start + each) - start;
+            let end = (from + count).clamp(start, start + each) - start;
+            if begin == end && each > 0 {
+                continue;
+            }
             let mut sink = Sink {
                 job: self,
                 piece,
                 limits,
-                want: each as usize,
+                skip: begin as usize,
+                want: (end - begin) as usize,
+                whole: each as usize,
+                total: count,
                 values: &mut values,
             };
             sink.read()
@@ -77,18 +101,53 @@ impl Job<'_> {
     }
 }
 
-/// Reads one piece to the end of the values.
+/// A job whose elements lie along the axes of a file.
+pub(crate) struct Stored<'a> {
+    pub job: Job<'a>,
+    pub axes: Axes,
+    /// What is done to the values; its stored type is that of the job.
+    pub rescale: Option<Rescale>,
+}
+
+impl Data for Stored<'_> {
+    fn read(&self, step: u32, limits: &Limits) -> Result<Voxels, VolumeError> {
+        let values = match self.axes.run_of_step(step) {
+            Some(run) => self.job.read(run, limits)?,
+            None => {
+                let all = self.job.read((0, self.job.count), limits)?;
+                self.axes.step(all, step)
+            }
+        };
+        Ok(match &self.rescale {
+            Some(rescale) => rescale.apply(values),
+            None => values,
+        })
+    }
+}
+
+/// Reads what is wanted of one piece to the end of the values.
 struct Sink<'s, 'a, T> {
     job: &'s Job<'a>,
     piece: &'s Piece<'a>,
     limits: &'s Limits,
+    /// Elements before those that are wanted.
+    skip: usize,
     want: usize,
+    /// Elements in the whole piece.
+    whole: usize,
+    /// Elements wanted of all pieces.
+    total: u64,
     values: &'s mut Vec<T>,
 }
 
 impl<T: Element> Sink<'_, '_, T> {
-    fn want_bytes(&self) -> u64 {
-        (self.want * size_of::<T>()) as u64
+    /// Bytes of the whole piece.
+    fn whole_bytes(&self) -> u64 {
+        (self.whole as u64).saturating_mul(size_of::<T>() as u64)
+    }
+
+    fn skip_len(&self) -> u64 {
+        (self.skip as u64).saturating_mul(size_of::<T>() as u64)
     }
 
     fn read(&mut self) -> Result<(), VolumeError> {
@@ -114,16 +173,19 @@ impl<T: Element> Sink<'_, '_, T> {
             Encoding::Hex => self.read_stream(text_data::HexReader::new(stream)),
             Encoding::Text => {
                 // Each number is a digit and a blank at least.
-                if (self.want as u64).saturating_mul(2) > rest.saturating_add(1) {
+                if (self.whole as u64).saturating_mul(2) > rest.saturating_add(1) {
                     return Err(self.too_short(format_args!("{rest} bytes of text")));
                 }
                 let mut stream = stream;
                 self.skip_bytes(&mut stream, self.piece.byte_skip.max(0) as u64)?;
-                let got = text_data::read_numbers(stream, self.want, self.values)
+                let start = self.values.len();
+                let got = text_data::read_numbers(stream, self.whole, self.values)
                     .map_err(|trouble| self.text_error(trouble))?;
-                if got < self.want {
+                if got < self.whole {
                     return Err(self.too_short(format_args!("{got} numbers")));
                 }
+                self.values.truncate(start + self.skip + self.want);
+                self.values.drain(start..start + self.skip);
                 self.report();
                 Ok(())
             }
@@ -132,7 +194,7 @@ impl<T: Element> Sink<'_, '_, T> {
 
     /// Plain bytes: the length of the file tells everything before anything is allocated.
     fn read_raw(&mut self, at: u64, rest: u64) -> Result<(), VolumeError> {
-        let want = self.want_bytes();
+        let want = self.whole_bytes();
         let skip = self.piece.byte_skip;
         let (from, have) = if skip >= 0 {
             let skip = skip as u64;
@@ -156,7 +218,7 @@ impl<T: Element> Sink<'_, '_, T> {
         if have > want && !self.only_a_line_end(from + want, have - want)? {
             return Err(self.too_long(format_args!("{have} bytes")));
         }
-        let mut reader = self.piece.input.open(from)?;
+        let mut reader = self.piece.input.open(from + self.skip_len())?;
         self.fill(&mut reader, self.want)
     }
 
@@ -175,10 +237,12 @@ impl<T: Element> Sink<'_, '_, T> {
         if self.piece.byte_skip < 0 {
             return self.read_tail(stream);
         }
-        self.skip_bytes(&mut stream, self.piece.byte_skip as u64)?;
+        let skip = (self.piece.byte_skip as u64).saturating_add(self.skip_len());
+        self.skip_bytes(&mut stream, skip)?;
         self.fill(&mut stream, STEP / size_of::<T>())?;
-        if self.read_some(&mut stream, &mut [0])? != 0 {
-            return Err(self.too_long(format_args!("more than {} bytes", self.want_bytes())));
+        // What is behind a part of the stream is not looked at: decoding it is all the work there is.
+        if self.skip + self.want == self.whole && self.read_some(&mut stream, &mut [0])? != 0 {
+            return Err(self.too_long(format_args!("more than {} bytes", self.whole_bytes())));
         }
         Ok(())
     }
@@ -187,7 +251,7 @@ impl<T: Element> Sink<'_, '_, T> {
     /// wanted bytes; what passes is bounded by the limit.
     fn read_tail(&mut self, mut stream: impl Read) -> Result<(), VolumeError> {
         let behind = self.piece.byte_skip.unsigned_abs() - 1;
-        let keep = usize::try_from(self.want_bytes().saturating_add(behind)).unwrap_or(usize::MAX);
+        let keep = usize::try_from(self.whole_bytes().saturating_add(behind)).unwrap_or(usize::MAX);
         let mut tail: Vec<u8> = Vec::new();
         let mut passed = 0_u64;
         let mut block = vec![0; STEP.min(1 << 16)];
@@ -215,7 +279,7 @@ impl<T: Element> Sink<'_, '_, T> {
             return Err(self.too_short(format_args!("{} bytes", tail.len())));
         }
         let from = tail.len() - keep;
-        let mut rest = &tail[from..];
+        let mut rest = &tail[from + self.skip * size_of::<T>()..];
         self.fill(&mut rest, self.want)
     }
 
@@ -252,7 +316,7 @@ impl<T: Element> Sink<'_, '_, T> {
     }
 
     fn total_bytes(&self) -> u64 {
-        self.job.count * size_of::<T>() as u64
+        self.total * size_of::<T>() as u64
     }
 
     fn report(&self) {
@@ -297,9 +361,9 @@ impl<T: Element> Sink<'_, '_, T> {
         let files = self.job.pieces.len();
         let in_each = if files > 1 { " in each file" } else { "" };
         if self.piece.is_binary() {
-            format!("{} bytes{in_each}", self.want_bytes())
+            format!("{} bytes{in_each}", self.whole_bytes())
         } else {
-            format!("{} numbers{in_each}", self.want)
+            format!("{} numbers{in_each}", self.whole)
         }
     }
 
@@ -307,7 +371,7 @@ impl<T: Element> Sink<'_, '_, T> {
         match error {
             text_data::TextError::Io(error) => self.stream_error(&error),
             text_data::TextError::TooMany => {
-                self.too_long(format_args!("more than {} numbers", self.want))
+                self.too_long(format_args!("more than {} numbers", self.whole))
             }
             text_data::TextError::BadNumber(token) => VolumeError::DataCorrupt(Trouble::new(
                 format!("{token:?} is no {}", self.job.scalar_type),

@@ -2,8 +2,8 @@
 
 use std::io::{self, BufRead, ErrorKind, Read};
 
-use crate::VolumeError;
-use crate::error::Trouble;
+use volgraph_volume::{Trouble, VolumeError};
+
 use crate::input::Input;
 
 /// How voxels are written down.

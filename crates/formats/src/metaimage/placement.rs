@@ -2,7 +2,8 @@
 
 use glam::{DAffine3, DVec3};
 
-use crate::VolumeError;
+use volgraph_volume::VolumeError;
+
 use crate::axes::complete_basis;
 use crate::fields::{Field, Fields};
 

@@ -3,26 +3,30 @@
 //!
 //! [`parse_header`] turns the lines into fields, each once, and the fields into a [`Header`] of plain values;
 //! `placement` makes the grid in LPS of them; `load` then reads the data. Axes that are not spatial (by
-//! `kinds`, or `none` in `space directions`) hold components, of which the options name one. `key:=value` pairs
-//! and comments mean nothing here. What the format leaves open, a warning tells.
+//! `kinds`, or `none` in `space directions`) are time (kind `time`) or hold components. Of the `key:=value` pairs
+//! those are read by which 3D Slicer names the segments of a label map; comments mean nothing. What the format leaves
+//! open, a warning tells.
 
 mod placement;
 
+use std::collections::BTreeMap;
+
+use volgraph_volume::{ScalarType, Trouble, Values, VolumeError};
+
 use crate::axes::Axes;
+use crate::contents::{Components, Contents, Opened};
 use crate::data_files::DataFiles;
-use crate::error::Trouble;
 use crate::fields::{
     Field, Fields, LONGEST_HEADER, endless_header, lines, text_line, warn_unknown,
 };
 use crate::input::Input;
-use crate::load::{Limits, LoadOptions, Loaded};
+use crate::load::LoadOptions;
 use crate::piece::{Encoding, Piece};
 use crate::raw::unknown_type;
-use crate::stream::Job;
-use crate::{ScalarType, VolumeError};
+use crate::stream::{Job, Stored};
 
 /// Fields that the format has and that say nothing about where or what the voxels are.
-const IGNORED: [&str; 12] = [
+const IGNORED: [&str; 11] = [
     "block size",
     "content",
     "labels",
@@ -33,12 +37,14 @@ const IGNORED: [&str; 12] = [
     "old max",
     "old min",
     "sample units",
-    "space units",
     "units",
 ];
 
+/// Most segments that are named in a header.
+const MOST_SEGMENTS: usize = 65_536;
+
 /// Fields that are read.
-const READ: [&str; 18] = [
+const READ: [&str; 19] = [
     "axis maxs",
     "axis mins",
     "byte skip",
@@ -54,6 +60,7 @@ const READ: [&str; 18] = [
     "space dimension",
     "space directions",
     "space origin",
+    "space units",
     "spacings",
     "thicknesses",
     "type",
@@ -83,6 +90,15 @@ pub struct Header {
     /// What the user should know.
     pub warnings: Vec<String>,
     fields: Fields,
+    /// Segments by their number in the file: label value and name, as 3D Slicer writes them.
+    segments: BTreeMap<u32, Segment>,
+}
+
+/// What a file says of a segment of its label map.
+#[derive(Debug, Default)]
+struct Segment {
+    label: Option<i64>,
+    name: Option<String>,
 }
 
 /// Whether a file with this head is NRRD.
@@ -111,6 +127,7 @@ pub fn parse_header(bytes: &[u8]) -> Result<Header, VolumeError> {
     let mut warnings = Vec::new();
     let mut listed = Vec::new();
     let mut in_list = false;
+    let mut segments = BTreeMap::new();
     let mut data_offset = bytes.len() as u64;
     for (number, (line, after, _)) in (2_u32..).zip(all) {
         if line.is_empty() {
@@ -122,6 +139,7 @@ pub fn parse_header(bytes: &[u8]) -> Result<Header, VolumeError> {
             continue;
         }
         let Some(field) = parse_line(line, number)? else {
+            note_segment(line, &mut segments);
             continue;
         };
         let key = field.key.as_str();
@@ -132,7 +150,32 @@ pub fn parse_header(bytes: &[u8]) -> Result<Header, VolumeError> {
             warn_unknown(&mut warnings, &field, &READ, false);
         }
     }
-    Header::of(version, fields, listed, data_offset, warnings)
+    let mut header = Header::of(version, fields, listed, data_offset, warnings)?;
+    header.segments = segments;
+    Ok(header)
+}
+
+/// Takes `Segment3_Name:=liver` and `Segment3_LabelValue:=4` down; other pairs mean nothing here.
+fn note_segment(line: &[u8], segments: &mut BTreeMap<u32, Segment>) {
+    let Ok(line) = std::str::from_utf8(line) else {
+        return;
+    };
+    let parsed = || {
+        let (key, value) = line.strip_prefix("Segment")?.split_once(":=")?;
+        let (number, what) = key.split_once('_')?;
+        Some((number.parse().ok()?, what, value.trim()))
+    };
+    let Some((number, what, value)) = parsed() else {
+        return;
+    };
+    if !matches!(what, "LabelValue" | "Name") || segments.len() >= MOST_SEGMENTS {
+        return;
+    }
+    let segment: &mut Segment = segments.entry(number).or_default();
+    match what {
+        "LabelValue" => segment.label = value.parse().ok(),
+        _ => segment.name = Some(value.to_owned()),
+    }
 }
 
 fn is_list(value: &str) -> bool {
@@ -230,7 +273,45 @@ impl Header {
             data_offset,
             warnings,
             fields,
+            segments: BTreeMap::new(),
         })
+    }
+
+    /// The unit of space, where all its axes have the same.
+    fn length_unit(&self) -> Option<String> {
+        let field = self.fields.get("space units")?;
+        let mut units = field.value.split('"').skip(1).step_by(2).map(str::trim);
+        let first = units.next().filter(|unit| !unit.is_empty())?;
+        units.all(|unit| unit == first).then(|| first.to_owned())
+    }
+
+    /// Labels, where the file names segments.
+    fn segments(&self) -> Values {
+        let named = self.segments.values();
+        let named: BTreeMap<i64, String> = named
+            .filter_map(|segment| Some((segment.label?, segment.name.clone().unwrap_or_default())))
+            .collect();
+        if named.is_empty() {
+            Values::Unknown
+        } else {
+            Values::Labels(named)
+        }
+    }
+
+    /// Colours, where the axis of components says so.
+    fn components(&self, spatial: &[usize]) -> Components {
+        const KINDS: [&str; 4] = ["rgb-color", "rgba-color", "3-color", "4-color"];
+        let kinds = self.fields.get("kinds").map(|field| field.value.as_str());
+        let kinds = kinds.unwrap_or_default().split_whitespace();
+        let color = kinds
+            .enumerate()
+            .filter(|(axis, _)| !spatial.contains(axis))
+            .any(|(_, kind)| KINDS.contains(&kind.to_ascii_lowercase().as_str()));
+        if color {
+            Components::Colors
+        } else {
+            Components::Values
+        }
     }
 
     /// Byte order: must be said wherever it matters.
@@ -286,7 +367,10 @@ fn parse_endian(field: &Field) -> Result<bool, VolumeError> {
     }
 }
 
-pub(crate) fn load(input: &Input<'_>, options: &LoadOptions) -> Result<Loaded, VolumeError> {
+pub(crate) fn open<'a>(
+    input: &Input<'a>,
+    _options: &LoadOptions,
+) -> Result<Opened<'a>, VolumeError> {
     let head = input.head(LONGEST_HEADER)?;
     let mut header = parse_header(&head)?;
     if header.data_offset == LONGEST_HEADER && input.len > LONGEST_HEADER {
@@ -295,15 +379,14 @@ pub(crate) fn load(input: &Input<'_>, options: &LoadOptions) -> Result<Loaded, V
     let sizes_line = header.fields.get("sizes").map_or(0, |field| field.line);
     let on_sizes = |error: VolumeError| error.on_line(sizes_line);
     let spatial = placement::spatial_axes(&header)?;
-    let axes = Axes::new(header.sizes.clone(), spatial.clone()).map_err(on_sizes)?;
+    let mut axes = Axes::new(header.sizes.clone(), spatial.clone()).map_err(on_sizes)?;
+    if let Some(time) = placement::time_axis(&header, &spatial) {
+        axes = axes.with_time(time).map_err(on_sizes)?;
+    }
     let count = axes.count().map_err(on_sizes)?;
-    options
-        .agree(axes.dims(), header.scalar_type)
-        .map_err(on_sizes)?;
-    let component = axes.component(options).map_err(on_sizes)?;
     let mut warnings = std::mem::take(&mut header.warnings);
     let grid = placement::grid(&header, &spatial, axes.dims(), &mut warnings)?;
-    let grid = options.place(grid)?;
+    grid.check()?;
     let big_endian = header.byte_order()?;
     let inputs = header.data_files.inputs(input)?;
     if count % inputs.len() as u64 != 0 {
@@ -332,16 +415,20 @@ pub(crate) fn load(input: &Input<'_>, options: &LoadOptions) -> Result<Loaded, V
         count,
         what: axes.describe(header.scalar_type),
     };
-    let voxels = job.read(&Limits::of(options))?;
-    Ok(Loaded {
-        name: crate::volume::stem(&input.path),
-        grid,
-        voxels: axes.select(voxels, component),
-        data_files: job
-            .pieces
-            .into_iter()
-            .map(|piece| piece.input.path)
-            .collect(),
-        warnings,
+    let name = crate::input::stem(&input.path);
+    let mut contents = Contents::new("NRRD", name, axes.clone(), header.scalar_type, grid);
+    contents.about.length_unit = header.length_unit();
+    contents.about.values = header.segments();
+    contents.components = header.components(&spatial);
+    contents.data_files = job.files();
+    contents.warnings = warnings;
+    contents.sizes_line = sizes_line;
+    Ok(Opened {
+        contents,
+        data: Box::new(Stored {
+            job,
+            axes,
+            rescale: None,
+        }),
     })
 }

@@ -7,7 +7,8 @@ use std::path::Path;
 
 use common::gzip;
 use glam::DVec3;
-use volgraph_volume::{LoadOptions, ScalarType, Volume};
+use volgraph_formats::{LoadOptions, from_bytes, load};
+use volgraph_volume::{Component, ScalarType};
 
 /// 4×4×4 int16, with the encoding and whatever lines follow it.
 fn nrrd(encoding: &str, data: &[u8]) -> Vec<u8> {
@@ -20,7 +21,7 @@ fn nrrd(encoding: &str, data: &[u8]) -> Vec<u8> {
 #[test]
 fn what_is_no_file_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let refuse = |path: &Path| Volume::load(path, &LoadOptions::default()).unwrap_err();
+    let refuse = |path: &Path| load(path, &LoadOptions::default()).unwrap_err();
     for path in [
         folder.path(),
         &folder.path().join("gone.nrrd"),
@@ -52,7 +53,7 @@ fn what_is_no_file_is_refused() {
 fn options_that_contradict_are_refused() {
     let full = vec![0; 128];
     let with = |name: &str, bytes: &[u8], options: LoadOptions| {
-        let error = Volume::from_bytes(name, bytes, &options).unwrap_err();
+        let error = from_bytes(name, bytes, &options).unwrap_err();
         assert!(error.to_string().contains(name), "{error}");
         error.code()
     };
@@ -109,7 +110,7 @@ fn options_that_contradict_are_refused() {
             "a.nrrd",
             &header,
             LoadOptions {
-                component: Some(1),
+                component: Some(Component::Index(1)),
                 ..base()
             },
             "volume-component",
@@ -145,7 +146,7 @@ fn options_that_contradict_are_refused() {
             raw,
             &full,
             LoadOptions {
-                component: Some(1),
+                component: Some(Component::Index(1)),
                 ..base()
             },
             "volume-component",
@@ -161,7 +162,7 @@ fn options_that_contradict_are_refused() {
         max_bytes: Some(128),
         ..base()
     };
-    assert!(Volume::from_bytes("a.nrrd", &header, &agree).is_ok());
+    assert!(from_bytes("a.nrrd", &header, &agree).is_ok());
 }
 
 #[test]
@@ -174,10 +175,10 @@ fn a_stream_that_never_ends_stops_at_the_limit() {
         ..LoadOptions::default()
     };
     assert_eq!(
-        Volume::from_bytes("a.nrrd", &bytes, &options)
+        from_bytes("a.nrrd", &bytes, &options)
             .unwrap_err()
             .code(),
         "volume-too-large"
     );
-    assert!(Volume::from_bytes("a.nrrd", &bytes, &LoadOptions::default()).is_ok());
+    assert!(from_bytes("a.nrrd", &bytes, &LoadOptions::default()).is_ok());
 }

@@ -5,11 +5,11 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
+use volgraph_volume::{Grid, Trouble, VolumeError};
+
 use super::Header;
 use crate::axes::complete_basis;
-use crate::error::Trouble;
 use crate::fields::Field;
-use crate::{Grid, VolumeError};
 
 /// Kinds of axes whose samples lie side by side in space.
 const SPATIAL_KINDS: [&str; 4] = ["domain", "space", "???", "none"];
@@ -41,6 +41,15 @@ pub(super) fn spatial_axes(header: &Header) -> Result<Vec<usize>, VolumeError> {
         kept.pop();
     }
     Ok(kept)
+}
+
+/// The axis of time steps, by its kind.
+pub(super) fn time_axis(header: &Header, spatial: &[usize]) -> Option<usize> {
+    let kinds = header.fields.get("kinds")?.value.split_whitespace();
+    let mut times = kinds
+        .enumerate()
+        .filter(|(axis, kind)| kind.eq_ignore_ascii_case("time") && !spatial.contains(axis));
+    times.next().map(|(axis, _)| axis)
 }
 
 fn filter(axes: usize, keep: impl Fn(usize) -> bool) -> Vec<usize> {

@@ -8,7 +8,8 @@ use std::sync::{Arc, Mutex};
 
 use common::{bzip2, gzip, hex, zlib};
 use glam::{DVec3, dvec3};
-use volgraph_volume::{LoadOptions, ScalarType, Volume, Voxels};
+use volgraph_formats::{LoadOptions, from_bytes, load};
+use volgraph_volume::{Component, ScalarType, Volume, Voxels};
 
 const DIMS: [u32; 3] = [5, 4, 3];
 
@@ -51,12 +52,12 @@ fn samples(ty: ScalarType, big_endian: bool) -> (Voxels, Vec<u8>, String) {
 fn read(folder: &Path, name: &str, bytes: &[u8]) -> Volume {
     let path = folder.join(name);
     std::fs::write(&path, bytes).unwrap();
-    let volume = Volume::load(&path, &LoadOptions::default());
+    let volume = load(&path, &LoadOptions::default());
     let volume = volume.unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(volume.grid().dims, DIMS);
     // From memory it is the same.
     if volume.source_files().len() == 1 {
-        let again = Volume::from_bytes(name, bytes, &LoadOptions::default()).unwrap();
+        let again = from_bytes(name, bytes, &LoadOptions::default()).unwrap();
         assert_eq!(again.digest(), volume.digest(), "{name}");
     }
     volume
@@ -136,7 +137,7 @@ fn a_line_end_behind_the_data_is_no_data() {
             end.as_bytes(),
         ]
         .concat();
-        let volume = Volume::from_bytes("a.nrrd", &file, &LoadOptions::default()).unwrap();
+        let volume = from_bytes("a.nrrd", &file, &LoadOptions::default()).unwrap();
         assert_eq!(volume.voxels(), &voxels);
     }
     for more in ["\n\n", "x", "\n\r\n"] {
@@ -146,7 +147,7 @@ fn a_line_end_behind_the_data_is_no_data() {
             more.as_bytes(),
         ]
         .concat();
-        let error = Volume::from_bytes("a.nrrd", &file, &LoadOptions::default()).unwrap_err();
+        let error = from_bytes("a.nrrd", &file, &LoadOptions::default()).unwrap_err();
         assert_eq!(error.code(), "volume-data-too-long");
     }
 }
@@ -319,7 +320,7 @@ fn options_place_choose_and_report() {
         })),
         ..LoadOptions::default()
     };
-    let volume = Volume::load(&path, &options).unwrap();
+    let volume = load(&path, &options).unwrap();
     assert_eq!((volume.voxels(), volume.grid().dims), (&voxels, [2, 5, 6]));
     assert_eq!(volume.grid().spacing(), dvec3(1.0, 2.0, 3.0));
     assert_eq!(volume.grid().origin(), dvec3(-1.0, 0.0, 9.0));
@@ -334,12 +335,18 @@ fn options_place_choose_and_report() {
     let header = b"NRRD0004\ntype: uint8\ndimension: 4\nsizes: 3 2 2 2\nkinds: RGB-color domain domain domain\nencoding: raw\n\n";
     let bytes = [&header[..], &rgb].concat();
     let options = LoadOptions {
-        component: Some(2),
+        component: Some(Component::Index(2)),
         ..LoadOptions::default()
     };
-    let green = Volume::from_bytes("rgb.nrrd", &bytes, &options).unwrap();
+    let green = from_bytes("rgb.nrrd", &bytes, &options).unwrap();
     let want: Vec<u8> = (0..8).map(|i| i * 3 + 2).collect();
     assert_eq!(green.voxels(), &Voxels::from(want));
+
+    // Without a choice the file's word holds: colours.
+    let colors = from_bytes("rgb.nrrd", &bytes, &LoadOptions::default()).unwrap();
+    assert_eq!(colors.colors().unwrap()[1], [3, 4, 5, 255]);
+    assert_eq!(colors.about().picked.unwrap().component, Component::Color);
+    assert_ne!(colors.digest(), green.digest());
 }
 
 #[test]
@@ -347,7 +354,7 @@ fn what_the_reader_guesses_it_says() {
     let load = |more: &str| {
         let header =
             format!("NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1 1 2\nencoding: raw\n{more}\n");
-        Volume::from_bytes(
+        from_bytes(
             "w.nrrd",
             &[header.as_bytes(), b"ab"].concat(),
             &LoadOptions::default(),
@@ -389,7 +396,7 @@ fn what_the_reader_guesses_it_says() {
         dvec3(1.0, 1.0, 4.0)
     );
     let meta = "ObjectType = Image\nNDims = 3\nDimSize = 1 1 2\nElementSpacng = 1 1 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\nab";
-    let volume = Volume::from_bytes("w.mha", meta.as_bytes(), &LoadOptions::default()).unwrap();
+    let volume = from_bytes("w.mha", meta.as_bytes(), &LoadOptions::default()).unwrap();
     assert!(
         volume.warnings()[0].contains("did you mean `ElementSpacing`"),
         "{:?}",

@@ -1,20 +1,19 @@
 //! From the axes of a file to the three of a grid.
 //!
-//! A file may have fewer than three spatial axes (they are padded with one voxel each) and axes that are not
-//! spatial (vector components, colours, times), of which one combination is picked by the `component` option.
+//! A file may have fewer than three spatial axes (they are padded with one voxel each), a time axis, of which one step
+//! is read at a time, and axes that hold several values per voxel (vectors, colours), which are counted with the
+//! fastest first.
 
 use glam::{DMat3, DVec3};
 
-use crate::error::Trouble;
-use crate::load::LoadOptions;
-use crate::voxels::for_voxels;
-use crate::{Element, VolumeError, Voxels};
+use volgraph_volume::{Element, ScalarType, Trouble, VolumeError, Voxels, for_voxels};
 
-/// Sizes of all axes, fastest first, and which of them are spatial.
-#[derive(Debug)]
+/// Sizes of all axes, fastest first, and which of them are space and time; the others are components.
+#[derive(Clone, Debug)]
 pub(crate) struct Axes {
     sizes: Vec<u64>,
     spatial: Vec<usize>,
+    time: Option<usize>,
 }
 
 impl Axes {
@@ -43,7 +42,11 @@ impl Axes {
                 "give each axis less than 2^32 samples",
             )));
         }
-        Ok(Self { sizes, spatial })
+        Ok(Self {
+            sizes,
+            spatial,
+            time: None,
+        })
     }
 
     /// Number of elements over all axes.
@@ -69,47 +72,108 @@ impl Axes {
     }
 
     /// `3×4×5 int16`, for messages.
-    pub fn describe(&self, scalar_type: crate::ScalarType) -> String {
+    pub fn describe(&self, scalar_type: ScalarType) -> String {
         let sizes: Vec<String> = self.sizes.iter().map(u64::to_string).collect();
         format!("{} {scalar_type}", sizes.join("×"))
     }
 
-    /// The component that the options name, or the only one.
-    pub fn component(&self, options: &LoadOptions) -> Result<u64, VolumeError> {
-        let others = (0..self.sizes.len()).filter(|axis| !self.spatial.contains(axis));
-        let count = others.fold(1_u64, |n, axis| n.saturating_mul(self.sizes[axis]));
-        match options.component.map(u64::from) {
-            None if count == 1 => Ok(0),
-            Some(component) if component < count => Ok(component),
-            None => Err(VolumeError::Component(Trouble::new(
-                format!("there are {count} values per voxel, and a volume takes one"),
-                format!("name one with the option `component`, 0 to {}", count - 1),
-            ))),
-            Some(component) => Err(VolumeError::Component(Trouble::new(
-                format!("there is no component {component}: there are {count} values per voxel"),
-                format!("name one of 0 to {}", count - 1),
-            ))),
+    /// With an axis of time steps, which must be none of the spatial ones.
+    ///
+    /// # Errors
+    /// More than 2^32 steps.
+    pub fn with_time(mut self, axis: usize) -> Result<Self, VolumeError> {
+        debug_assert!(!self.spatial.contains(&axis));
+        if u32::try_from(self.sizes[axis]).is_err() {
+            return Err(VolumeError::TooLarge(Trouble::new(
+                format!("{} time steps", self.sizes[axis]),
+                "give less than 2^32 of them",
+            )));
         }
+        self.time = Some(axis);
+        Ok(self)
     }
 
-    /// The voxels of one component, x fastest.
+    /// With time steps behind all other axes, for files that are a step each.
+    ///
+    /// # Errors
+    /// More than 2^32 steps.
+    pub fn with_steps_behind(mut self, steps: u64) -> Result<Self, VolumeError> {
+        self.sizes.push(steps);
+        let axis = self.sizes.len() - 1;
+        self.with_time(axis)
+    }
+
+    /// Number of time steps; 1 where there is no time.
+    pub fn steps(&self) -> u32 {
+        let steps = self.time.map_or(1, |axis| self.sizes[axis]);
+        // `with_time` has seen that it fits.
+        u32::try_from(steps).unwrap_or(u32::MAX)
+    }
+
+    /// Values per voxel and time step.
+    pub fn component_count(&self) -> u64 {
+        let components = self.component_axes().map(|axis| self.sizes[axis]);
+        components.fold(1, u64::saturating_mul)
+    }
+
+    /// Voxels of one component and step; they were counted before they were read, so they fit.
+    pub fn voxel_count(&self) -> usize {
+        self.dims().iter().map(|&n| n as usize).product()
+    }
+
+    fn component_axes(&self) -> impl Iterator<Item = usize> {
+        (0..self.sizes.len()).filter(|axis| !self.spatial.contains(axis) && self.time != Some(*axis))
+    }
+
+    /// Where the elements of a step lie in the file: from which one on, and how many. `None` where its elements do not
+    /// lie together, for then all must be read and [`Axes::step`] takes them out.
+    pub fn run_of_step(&self, step: u32) -> Option<(u64, u64)> {
+        let Some(time) = self.time else {
+            return Some((0, self.sizes.iter().product()));
+        };
+        let slower: u64 = self.sizes[time + 1..].iter().product();
+        let each = self.stride(time);
+        (slower == 1).then(|| (u64::from(step) * each, each))
+    }
+
+    /// The elements of one step out of those of all.
+    pub fn step(&self, voxels: Voxels, step: u32) -> Voxels {
+        let Some(time) = self.time else { return voxels };
+        let each = self.stride(time) as usize;
+        let (from, all) = (step as usize * each, each * self.sizes[time] as usize);
+        for_voxels!(&voxels, values => {
+            let blocks = values.chunks_exact(all).flat_map(|block| &block[from..from + each]);
+            Element::wrap(blocks.copied().collect())
+        })
+    }
+
+    /// The voxels of one component out of those of one step, x fastest.
     pub fn select(&self, voxels: Voxels, component: u64) -> Voxels {
-        let others = (0..self.sizes.len()).filter(|axis| !self.spatial.contains(axis));
-        let (mut rest, mut base) = (component, 0);
-        let mut components = 1;
-        for axis in others {
-            base += (rest % self.sizes[axis]) * self.stride(axis);
-            rest /= self.sizes[axis];
-            components *= self.sizes[axis];
-        }
-        if components == 1 {
+        let in_order = self.spatial.windows(2).all(|pair| pair[0] < pair[1]);
+        if self.component_count() == 1 && in_order {
             return voxels;
+        }
+        self.selected(&voxels, component)
+    }
+
+    /// As [`Axes::select`], where the voxels are needed again.
+    pub fn selected(&self, voxels: &Voxels, component: u64) -> Voxels {
+        let (mut rest, mut base) = (component, 0);
+        for axis in self.component_axes() {
+            base += (rest % self.sizes[axis]) * self.stride_in_step(axis);
+            rest /= self.sizes[axis];
         }
         let mut strides = [0; 3];
         for (stride, &axis) in strides.iter_mut().zip(&self.spatial) {
-            *stride = self.stride(axis) as usize;
+            *stride = self.stride_in_step(axis) as usize;
         }
-        for_voxels!(&voxels, values => gather(values, base as usize, self.dims(), strides))
+        for_voxels!(voxels, values => gather(values, base as usize, self.dims(), strides))
+    }
+
+    /// Elements from one sample to the next along an axis, where only one time step is there.
+    fn stride_in_step(&self, axis: usize) -> u64 {
+        let faster = (0..axis).filter(|faster| self.time != Some(*faster));
+        faster.map(|faster| self.sizes[faster]).product()
     }
 
     /// Elements from one sample to the next along an axis; the total fits, and so do the strides.
@@ -184,21 +248,42 @@ mod tests {
     }
 
     #[test]
-    fn a_choice_is_asked_for_and_must_exist() {
-        let axes = Axes::new(vec![3, 4, 2], vec![1, 2]).unwrap();
-        let with = |component| LoadOptions {
-            component,
-            ..LoadOptions::default()
-        };
+    fn a_step_is_taken_wherever_time_stands() {
+        let values: Vec<u8> = (0..24).collect();
+        // Components fastest, then time, then space.
+        let axes = Axes::new(vec![2, 3, 4], vec![2])
+            .unwrap()
+            .with_time(1)
+            .unwrap();
         assert_eq!(
-            axes.component(&with(None)).unwrap_err().code(),
-            "volume-component"
+            (axes.steps(), axes.component_count(), axes.run_of_step(1)),
+            (3, 2, None)
         );
+        let step = axes.step(values.clone().into(), 1);
+        assert_eq!(step, vec![2_u8, 3, 8, 9, 14, 15, 20, 21].into());
+        assert_eq!(axes.select(step, 1), vec![3_u8, 9, 15, 21].into());
+        let last = Axes::new(vec![2, 4, 3], vec![1])
+            .unwrap()
+            .with_time(2)
+            .unwrap();
+        assert_eq!(last.run_of_step(2), Some((16, 8)));
+        let first = Axes::new(vec![3, 4, 2], vec![1, 2])
+            .unwrap()
+            .with_time(0)
+            .unwrap();
+        let step = first.step(values.into(), 2);
+        assert_eq!(first.select(step.clone(), 0), step);
+        assert_eq!(step, vec![2_u8, 5, 8, 11, 14, 17, 20, 23].into());
+    }
+
+    #[test]
+    fn spatial_axes_may_stand_in_any_order() {
+        let axes = Axes::new(vec![2, 3], vec![1, 0]).unwrap();
+        assert_eq!(axes.dims(), [3, 2, 1]);
         assert_eq!(
-            axes.component(&with(Some(3))).unwrap_err().code(),
-            "volume-component"
+            axes.select(vec![0_u8, 1, 2, 3, 4, 5].into(), 0),
+            vec![0_u8, 2, 4, 1, 3, 5].into()
         );
-        assert_eq!(axes.component(&with(Some(2))).unwrap(), 2);
     }
 
     #[test]

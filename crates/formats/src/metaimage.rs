@@ -4,24 +4,24 @@
 //! [`parse_header`] turns `Key = Value` lines up to `ElementDataFile` into a [`Header`] of plain values;
 //! `load` checks them and reads the data. The world is LPS already. `TransformMatrix` lists the direction of
 //! the first axis, then of the second, then of the third: its rows are the columns of the direction matrix. A
-//! negative spacing turns its axis round. Channels and axes past the third are components.
+//! negative spacing turns its axis round. The fourth axis is time; channels and axes past it are components.
 
 mod placement;
 
 use glam::DAffine3;
+use volgraph_volume::{Grid, ScalarType, Trouble, VolumeError};
 
 use crate::axes::Axes;
+use crate::contents::{Contents, Opened};
 use crate::data_files::DataFiles;
-use crate::error::Trouble;
 use crate::fields::{
     Field, Fields, LONGEST_HEADER, endless_header, lines, text_line, warn_unknown,
 };
 use crate::input::Input;
-use crate::load::{Limits, LoadOptions, Loaded};
+use crate::load::LoadOptions;
 use crate::piece::{Encoding, Piece};
 use crate::raw::unknown_type;
-use crate::stream::Job;
-use crate::{Grid, ScalarType, VolumeError};
+use crate::stream::{Job, Stored};
 
 /// Keys that are read, in the spelling of the format. Others are the writer's own and mean nothing here.
 const KEYS: [&str; 22] = [
@@ -278,7 +278,10 @@ fn boolean(field: &Field) -> Result<bool, VolumeError> {
     }
 }
 
-pub(crate) fn load(input: &Input<'_>, options: &LoadOptions) -> Result<Loaded, VolumeError> {
+pub(crate) fn open<'a>(
+    input: &Input<'a>,
+    _options: &LoadOptions,
+) -> Result<Opened<'a>, VolumeError> {
     let head = input.head(LONGEST_HEADER)?;
     let header = parse_header(&head)?;
     if header.data_offset == LONGEST_HEADER && input.len > LONGEST_HEADER {
@@ -293,12 +296,11 @@ pub(crate) fn load(input: &Input<'_>, options: &LoadOptions) -> Result<Loaded, V
     let spatial = (0..header.sizes.len().min(3))
         .map(|axis| axis + channel_axes)
         .collect();
-    let axes = Axes::new(sizes, spatial).map_err(on_sizes)?;
+    let mut axes = Axes::new(sizes, spatial).map_err(on_sizes)?;
+    if header.sizes.len() > 3 {
+        axes = axes.with_time(3 + channel_axes).map_err(on_sizes)?;
+    }
     let count = axes.count().map_err(on_sizes)?;
-    options
-        .agree(axes.dims(), header.scalar_type)
-        .map_err(on_sizes)?;
-    let component = axes.component(options).map_err(on_sizes)?;
     let grid = Grid {
         dims: axes.dims(),
         world_from_index: header.world_from_index,
@@ -306,7 +308,6 @@ pub(crate) fn load(input: &Input<'_>, options: &LoadOptions) -> Result<Loaded, V
     };
     grid.check()
         .map_err(|error| error.on_line(header.placement_line))?;
-    let grid = options.place(grid)?;
     let inputs = header.data_files.inputs(input)?;
     if count % inputs.len() as u64 != 0 {
         let files = inputs.len();
@@ -334,17 +335,18 @@ pub(crate) fn load(input: &Input<'_>, options: &LoadOptions) -> Result<Loaded, V
         count,
         what: axes.describe(header.scalar_type),
     };
-    let voxels = job.read(&Limits::of(options))?;
-    Ok(Loaded {
-        name: crate::volume::stem(&input.path),
-        grid,
-        voxels: axes.select(voxels, component),
-        data_files: job
-            .pieces
-            .into_iter()
-            .map(|piece| piece.input.path)
-            .collect(),
-        warnings: header.warnings,
+    let name = crate::input::stem(&input.path);
+    let mut contents = Contents::new("MetaImage", name, axes.clone(), header.scalar_type, grid);
+    contents.data_files = job.files();
+    contents.warnings = header.warnings;
+    contents.sizes_line = header.sizes_line;
+    Ok(Opened {
+        contents,
+        data: Box::new(Stored {
+            job,
+            axes,
+            rescale: None,
+        }),
     })
 }
 

@@ -2,7 +2,7 @@
 
 use std::io::{self, BufRead, Read};
 
-use crate::Element;
+use volgraph_volume::Element;
 
 /// Longest number: a float64 written out in full has some 1080 digits.
 const LONGEST_NUMBER: usize = 2048;

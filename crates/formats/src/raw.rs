@@ -3,16 +3,16 @@
 //! The voxels are little-endian unless the name ends in `_be` or the options say so. A gzip stream is known by
 //! its content, unless the file is exactly as long as the plain voxels would be.
 
-use volgraph_report::{did_you_mean, list_names};
-
-use crate::error::Trouble;
-use crate::input::Input;
-use crate::load::{Limits, Loaded};
-use crate::piece::{Encoding, Piece};
-use crate::stream::Job;
-use crate::{Grid, LoadOptions, ScalarType, VolumeError};
-
 use glam::DVec3;
+use volgraph_report::{did_you_mean, list_names};
+use volgraph_volume::{Grid, ScalarType, Trouble, VolumeError};
+
+use crate::axes::Axes;
+use crate::contents::{Contents, Opened};
+use crate::input::Input;
+use crate::load::LoadOptions;
+use crate::piece::{Encoding, Piece};
+use crate::stream::{Job, Stored};
 
 /// What the name of a raw file tells.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -105,12 +105,12 @@ pub(crate) fn names_raw(name: &str) -> bool {
         || !matches!(parse_raw_name(name), Err(VolumeError::RawName(_)))
 }
 
-pub(crate) fn load(
-    input: &Input<'_>,
+pub(crate) fn open<'a>(
+    input: &Input<'a>,
     name: &str,
     looks_like: &str,
     options: &LoadOptions,
-) -> Result<Loaded, VolumeError> {
+) -> Result<Opened<'a>, VolumeError> {
     let parsed = parse_raw_name(name);
     let said = parsed.as_ref().ok();
     let dims = options.dims.or(said.map(|raw| raw.dims));
@@ -124,16 +124,11 @@ pub(crate) fn load(
             "leave the option out, or rename the file",
         )));
     }
-    if options.component.is_some_and(|component| component > 0) {
-        return Err(VolumeError::Component(Trouble::new(
-            "raw voxels have one value each, and the options name another component",
-            "leave the option out",
-        )));
-    }
-    let spacing = DVec3::ONE;
-    let grid = options.place(Grid::axis_aligned(dims, spacing, DVec3::ZERO))?;
-    let count = grid.voxel_count();
-    let what = format!("{}×{}×{} {scalar_type}", dims[0], dims[1], dims[2]);
+    let grid = Grid::axis_aligned(dims, DVec3::ONE, DVec3::ZERO);
+    grid.check()?;
+    let axes = Axes::new(dims.map(u64::from).to_vec(), vec![0, 1, 2])?;
+    let count = axes.count()?;
+    let what = axes.describe(scalar_type);
     let bytes = u128::from(count) * scalar_type.size() as u128;
     let packed = looks_like == "a gzip stream" && u128::from(input.len) != bytes;
     let job = Job {
@@ -160,12 +155,14 @@ pub(crate) fn load(
             format!("{what} (the file looks like {looks_like})")
         },
     };
-    Ok(Loaded {
-        name: said.map_or_else(|| crate::volume::stem(&input.path), |raw| raw.name.clone()),
-        grid,
-        voxels: job.read(&Limits::of(options))?,
-        data_files: Vec::new(),
-        warnings: Vec::new(),
+    let name = said.map_or_else(|| crate::input::stem(&input.path), |raw| raw.name.clone());
+    Ok(Opened {
+        contents: Contents::new("raw", name, axes.clone(), scalar_type, grid),
+        data: Box::new(Stored {
+            job,
+            axes,
+            rescale: None,
+        }),
     })
 }
 

@@ -5,13 +5,14 @@ mod common;
 
 use common::{gzip, zlib};
 use proptest::prelude::*;
-use volgraph_volume::{LoadOptions, Volume, metaimage, nrrd, parse_raw_name};
+use volgraph_formats::{LoadOptions, from_bytes, metaimage, nrrd, parse_raw_name};
+use volgraph_volume::Component;
 
 /// Small enough that a header's word cannot make a test slow.
 fn options(component: Option<u32>) -> LoadOptions {
     LoadOptions {
         max_bytes: Some(1 << 16),
-        component,
+        component: component.map(Component::Index),
         ..LoadOptions::default()
     }
 }
@@ -24,7 +25,7 @@ fn read(bytes: &[u8]) {
         ("a_2x2x2_uint8.raw.gz", None),
         ("a", Some(0)),
     ] {
-        match Volume::from_bytes(name, bytes, &options(component)) {
+        match from_bytes(name, bytes, &options(component)) {
             Ok(volume) => {
                 assert_eq!(volume.voxels().len() as u64, volume.grid().voxel_count());
                 assert!(volume.grid().check().is_ok());
@@ -196,7 +197,7 @@ proptest! {
 fn the_unchanged_headers_are_good() {
     let good = headers()
         .iter()
-        .filter(|bytes| Volume::from_bytes("a", bytes, &options(None)).is_ok())
+        .filter(|bytes| from_bytes("a", bytes, &options(None)).is_ok())
         .count();
     // All but the three whose data is in other files.
     assert_eq!(good, 6);

@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use crate::VolumeError;
+use volgraph_volume::VolumeError;
+
 use crate::fields::Field;
 use crate::input::Input;
 

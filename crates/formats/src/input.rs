@@ -7,8 +7,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use crate::VolumeError;
-use crate::error::Trouble;
+use volgraph_volume::{Trouble, VolumeError};
 
 #[derive(Clone, Debug)]
 pub(crate) struct Input<'a> {
@@ -120,5 +119,26 @@ impl<'a> Input<'a> {
             "check the file, its permissions and the disk",
         ))
         .in_file(&self.path)
+    }
+}
+
+/// A file's name without folder and endings: `a/b.c.nrrd` is `b`.
+pub(crate) fn stem(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name.split('.')
+        .find(|part| !part.is_empty())
+        .unwrap_or("volume")
+        .to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stem_has_no_endings() {
+        assert_eq!(stem(Path::new("a/b.c.nrrd")), "b");
+        assert_eq!(stem(Path::new("a/.hidden.mha")), "hidden");
+        assert_eq!(stem(Path::new("/")), "volume");
     }
 }
