@@ -22,7 +22,8 @@ use volgraph_report::{Findings, excerpt};
 use volgraph_shader::{
     GuardRequest, LinkRequest, MemoryFiles, Module, ShaderRoots, check, guard, link,
 };
-use volgraph_volume::{LoadOptions, Volume, metaimage as meta, nrrd as near, parse_raw_name};
+use volgraph_formats::{LoadOptions, from_bytes, metaimage as meta, nrrd as near, parse_raw_name};
+use volgraph_volume::Component;
 
 static SHADERS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../shaders");
 
@@ -244,10 +245,10 @@ fn component(byte: u8) -> Option<u32> {
 /// Whatever is read is whole; whatever is refused says why and what to do.
 fn volume(name: &str, bytes: &[u8], component: Option<u32>) {
     let options = LoadOptions {
-        component,
+        component: component.map(Component::Index),
         ..LoadOptions::default()
     };
-    match Volume::from_bytes(name, bytes, &options) {
+    match from_bytes(name, bytes, &options) {
         Ok(volume) => {
             assert_eq!(volume.voxels().len() as u64, volume.grid().voxel_count());
             assert!(volume.grid().check().is_ok());
@@ -328,11 +329,11 @@ mod tests {
         }
         for (name, bytes) in seeds("nrrd").into_iter().chain(seeds("metaimage")) {
             let options = LoadOptions {
-                component: component(bytes[0]),
+                component: component(bytes[0]).map(Component::Index),
                 ..LoadOptions::default()
             };
             let is_detached = ["list", "series"].contains(&name.as_str());
-            let volume = Volume::from_bytes("seed", &bytes[1..], &options);
+            let volume = from_bytes("seed", &bytes[1..], &options);
             assert_eq!(volume.is_err(), is_detached, "{name}: {volume:?}");
         }
     }

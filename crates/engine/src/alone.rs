@@ -14,8 +14,9 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::SystemTime;
 
+use volgraph_formats::{LoadOptions, parse_raw_name};
 use volgraph_report::{Finding, Findings};
-use volgraph_volume::{LoadOptions, Volume, parse_raw_name};
+use volgraph_volume::Volume;
 
 use self::looks::{Looks, looks};
 use crate::presets::{foreground, hounsfield_offset, points_text, preset, reference_length};
@@ -34,14 +35,18 @@ pub struct Alone {
     pub why: String,
 }
 
-/// Whether a file is a volume rather than a graph.
+/// Whether a file, a folder or a pattern of names is a volume rather than a graph.
 #[must_use]
 pub fn is_volume(path: &Path) -> bool {
     let is_ron = path
         .extension()
         .is_some_and(|ending| ending.eq_ignore_ascii_case("ron"));
-    if is_ron || !path.is_file() {
+    if is_ron {
         return false;
+    }
+    if !path.is_file() {
+        // A folder of slices, or a pattern that names them.
+        return volgraph_formats::is_volume(path);
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     if parse_raw_name(&name).is_ok() {
@@ -88,7 +93,7 @@ pub fn graph_for(path: &Path) -> Result<Alone, Findings> {
     {
         return Ok(alone.clone());
     }
-    let volume = Volume::load(path, &LoadOptions::default())
+    let volume = volgraph_formats::load(path, &LoadOptions::default())
         .map_err(|error| Findings::from(Finding::from(error)))?;
     let alone = pick(&volume, &path.display().to_string());
     *last() = Some((path.to_path_buf(), length, modified, alone.clone()));

@@ -4,6 +4,7 @@
 //! options must.
 
 use std::io::Read as _;
+use std::path::Path;
 
 use flate2::read::GzDecoder;
 use volgraph_volume::{Trouble, VolumeError};
@@ -92,6 +93,17 @@ pub(crate) const FORMATS: &[Format] = &[
 /// The format of a file by its content.
 pub(crate) fn recognise(head: &Head) -> Option<&'static Format> {
     FORMATS.iter().find(|format| (format.recognises)(head))
+}
+
+/// Whether a path looks like a volume without being read: a folder, a pattern that names files, a file of a known
+/// format, or one whose name describes raw voxels.
+#[must_use]
+pub fn is_volume(path: &Path) -> bool {
+    if !path.is_file() {
+        return matches!(crate::series::files(path), Ok(Some(_)));
+    }
+    let head = Input::file(path).and_then(|input| Head::of(&input));
+    head.is_ok_and(|head| recognise(&head).is_some() || raw::parse_raw_name(&head.name).is_ok())
 }
 
 /// Opens one file.

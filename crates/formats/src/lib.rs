@@ -31,6 +31,7 @@ mod stream;
 mod text_data;
 
 pub use data_files::DataFiles;
+pub use format::is_volume;
 pub use load::{LoadOptions, Progress, from_bytes, load};
 pub use piece::Encoding;
 pub use raw::{RawName, parse_raw_name};

@@ -6,7 +6,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use volgraph_volume::{Component, DEFAULT_MAX_BYTES, Grid, ScalarType, Trouble, Volume, VolumeError};
+use volgraph_volume::{
+    Component, DEFAULT_MAX_BYTES, Grid, ScalarType, Trouble, Volume, VolumeError,
+};
 
 use crate::reader::VolumeReader;
 
@@ -69,10 +71,10 @@ pub(crate) struct Limits {
 }
 
 impl Limits {
-    pub fn of(options: &LoadOptions) -> Self {
+    pub fn new(max_bytes: Option<u64>, progress: Option<Progress>) -> Self {
         Self {
-            max_bytes: options.max_bytes.unwrap_or(DEFAULT_MAX_BYTES),
-            progress: options.progress.clone(),
+            max_bytes: max_bytes.unwrap_or(DEFAULT_MAX_BYTES),
+            progress,
         }
     }
 
@@ -119,7 +121,6 @@ impl LoadOptions {
         Ok(placed)
     }
 }
-
 
 /// Reads a volume from a file, a folder or a glob (`slices/*.tif`). The content decides what it is, then the name.
 ///

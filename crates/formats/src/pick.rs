@@ -20,7 +20,8 @@ pub(crate) fn component(
     options: &LoadOptions,
 ) -> Result<Option<Component>, VolumeError> {
     let count = contents.axes.component_count();
-    let wrong = |cause: String, remedy: String| Err(VolumeError::Component(Trouble::new(cause, remedy)));
+    let wrong =
+        |cause: String, remedy: String| Err(VolumeError::Component(Trouble::new(cause, remedy)));
     let colors = contents.components == Components::Colors && (2..=4).contains(&count);
     match options.component {
         None if count == 1 => Ok(None),

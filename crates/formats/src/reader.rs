@@ -7,7 +7,7 @@ use volgraph_volume::{About, Grid, Picked, ScalarType, Step, Trouble, Volume, Vo
 use crate::contents::Opened;
 use crate::format::open_file;
 use crate::input::Input;
-use crate::load::{Limits, LoadOptions};
+use crate::load::{Limits, LoadOptions, Progress};
 use crate::{pick, series};
 
 /// A volume on disk (or in bytes at hand) whose header was read; [`VolumeReader::read`] takes one time step of it.
@@ -100,11 +100,24 @@ impl<'a> VolumeReader<'a> {
     /// # Errors
     /// As [`VolumeReader::open`]; [`VolumeError::Option`] where there is no such step.
     pub fn read(&self, step: Option<u32>) -> Result<Volume, VolumeError> {
-        self.read_step(step)
+        self.read_reporting(step, self.options.progress.clone())
+    }
+
+    /// As [`VolumeReader::read`], reporting elsewhere than the options say.
+    ///
+    /// # Errors
+    /// As [`VolumeReader::read`].
+    pub fn read_reporting(
+        &self,
+        step: Option<u32>,
+        progress: Option<Progress>,
+    ) -> Result<Volume, VolumeError> {
+        let limits = Limits::new(self.options.max_bytes, progress);
+        self.read_step(step, &limits)
             .map_err(|error| error.in_file(&self.path))
     }
 
-    fn read_step(&self, step: Option<u32>) -> Result<Volume, VolumeError> {
+    fn read_step(&self, step: Option<u32>, limits: &Limits) -> Result<Volume, VolumeError> {
         let contents = &self.opened.contents;
         let index = step.unwrap_or(0);
         let count = self.step_count();
@@ -116,8 +129,7 @@ impl<'a> VolumeReader<'a> {
             )));
         }
         let component = pick::component(contents, &self.options)?;
-        let limits = Limits::of(&self.options);
-        let values = self.opened.data.read(index, &limits)?;
+        let values = self.opened.data.read(index, limits)?;
         let taken = pick::take(&contents.axes, values, component, contents.components);
         let values_per_voxel = contents.axes.component_count();
         let about = About {

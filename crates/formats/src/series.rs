@@ -25,7 +25,10 @@ pub(crate) fn files(path: &Path) -> Result<Option<Vec<PathBuf>>, VolumeError> {
     };
     let mut files: Vec<PathBuf> = if path.is_dir() {
         let unreadable = |error: std::io::Error| {
-            refuse(format!("cannot be listed: {error}"), "check its permissions")
+            refuse(
+                format!("cannot be listed: {error}"),
+                "check its permissions",
+            )
         };
         let mut files = Vec::new();
         for entry in std::fs::read_dir(path).map_err(unreadable)? {

@@ -175,9 +175,7 @@ fn a_stream_that_never_ends_stops_at_the_limit() {
         ..LoadOptions::default()
     };
     assert_eq!(
-        from_bytes("a.nrrd", &bytes, &options)
-            .unwrap_err()
-            .code(),
+        from_bytes("a.nrrd", &bytes, &options).unwrap_err().code(),
         "volume-too-large"
     );
     assert!(from_bytes("a.nrrd", &bytes, &LoadOptions::default()).is_ok());

@@ -57,5 +57,5 @@ pub use planned::{PlannedBinding, PlannedNode, PlannedResource};
 pub use quality::{Budget, QualityDesc};
 pub use registry::Registry;
 pub use resource::{Extent, ResourceDesc, ResourceKind, Size};
-pub use source::{EMBEDDED_GRAPHS, Folders, Progress, Source, SourceKind, is_embedded};
+pub use source::{EMBEDDED_GRAPHS, Folders, Progress, Source, SourceKind, is_embedded, is_there};
 pub use upload::{FillLayers, Piece, Pieces, UploadBytes};

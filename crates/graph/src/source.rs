@@ -102,7 +102,7 @@ impl Folders {
             if is_embedded(file) {
                 self.embedded_bytes(file).is_some()
             } else {
-                file.exists()
+                is_there(file)
             }
         };
         let mut asked = self.asked.lock().unwrap_or_else(PoisonError::into_inner);
@@ -139,6 +139,17 @@ impl Folders {
         let twin = Path::new(EMBEDDED_GRAPHS).join(path);
         self.embedded_bytes(&twin).map(|_| twin)
     }
+}
+
+/// Whether a file or folder is there, or one at least that a pattern such as `slices/*.tif` names.
+#[must_use]
+pub fn is_there(file: &Path) -> bool {
+    if file.exists() {
+        return true;
+    }
+    let pattern = file.to_str().filter(|text| text.contains(['*', '?', '[']));
+    let matches = pattern.and_then(|pattern| glob::glob(pattern).ok());
+    matches.is_some_and(|mut matches| matches.any(|file| file.is_ok()))
 }
 
 /// Whether a path names a file inside the program: `embedded:/…`.

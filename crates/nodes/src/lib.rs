@@ -55,7 +55,7 @@ pub fn draws_volumes(kind: &str) -> bool {
 pub fn registry() -> Registry {
     let mut registry = Registry::new();
     registry
-        .add_source(source::volume::VolumeKind)
+        .add_source(source::volume::VolumeKind::default())
         .add_source(source::analytic::AnalyticKind)
         .add_source(source::transfer::TransferKind)
         .add_source(source::image::ImageKind)

@@ -4,6 +4,7 @@ pub mod analytic;
 pub mod image;
 mod seen_bricks;
 pub mod segments;
+mod series;
 pub mod transfer;
 pub mod volume;
 

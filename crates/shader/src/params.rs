@@ -217,6 +217,8 @@ impl ParamSpec {
             (ParamType::Bool, ParamValue::Bool(_)) | (ParamType::Text, ParamValue::Text(_)) => {
                 Ok(value.clone())
             }
+            // A number is a name where names are asked for: `component: 1`.
+            (ParamType::Text, ParamValue::Int(number)) => Ok(ParamValue::Text(number.to_string())),
             (ParamType::Int | ParamType::Uint, ParamValue::Int(number)) => {
                 // Every i32 and u32 is exact in f64; what is not is out of bounds anyway.
                 self.number(*number as f64)?;

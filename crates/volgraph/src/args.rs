@@ -15,7 +15,7 @@ use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand};
 use volgraph::{AdapterChoice, CameraDesc, Overrides, ParamOverride, ShaderFolders};
-use volgraph_volume::ScalarType;
+use volgraph_volume::{Component, ScalarType};
 
 pub use accuracy::{AdviseArgs, ReferenceArgs, StressArgs};
 pub use animate::AnimateArgs;
@@ -288,7 +288,7 @@ pub enum FindingFormat {
 /// `volgraph info`.
 #[derive(ClapArgs, Debug)]
 pub struct InfoArgs {
-    /// The volume file.
+    /// The volume: a file, a folder or a pattern of names.
     pub volume: PathBuf,
     /// Dimensions of a raw file whose name does not say.
     #[arg(long, value_name = "XxYxZ", value_parser = parse_dims)]
@@ -299,9 +299,18 @@ pub struct InfoArgs {
     /// A raw file has its highest byte first.
     #[arg(long)]
     pub big_endian: bool,
-    /// Which of several values per voxel, from 0.
+    /// Which of several values per voxel: its number from 0, `magnitude` or `color`.
+    #[arg(long, value_name = "NUMBER | magnitude | color")]
+    pub component: Option<Component>,
+    /// Which time step, from 0.
+    #[arg(long, value_name = "STEP")]
+    pub time: Option<u32>,
+    /// Which volume of several, by a part of its name.
+    #[arg(long, value_name = "NAME")]
+    pub part: Option<String>,
+    /// Which level of a multi-resolution file; 0 is the finest.
     #[arg(long)]
-    pub component: Option<u32>,
+    pub level: Option<u32>,
     /// Print JSON.
     #[arg(long)]
     pub json: bool,

@@ -1,22 +1,30 @@
-//! `volume(path: "engine_256x256x128_uint8.raw.gz")`: a volume from a file.
+//! `volume(path: "engine_256x256x128_uint8.raw.gz")`: a volume from a file, a folder or a glob.
+//!
+//! The kind remembers the time series that it has opened ([`Series`]), so that a step that was read ahead is there at
+//! once.
 
 use std::any::Any;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use glam::DVec3;
-use volgraph_graph::{Digest, EMBEDDED_GRAPHS, Folders, PortType, Source, SourceKind};
+use volgraph_formats::LoadOptions;
+use volgraph_graph::{Digest, EMBEDDED_GRAPHS, Folders, PortType, Source, SourceKind, is_there};
 use volgraph_report::{Finding, Findings};
 use volgraph_shader::{ParamSpec, ParamValue};
-use volgraph_volume::{LoadOptions, ScalarType, Volume};
+use volgraph_volume::{ScalarType, Volume};
 
 use super::Given;
 use super::seen_bricks::SeenBricks;
+use super::series::Series;
 use crate::encoding::Encoding;
 
 /// The source kind `volume`.
-pub struct VolumeKind;
+#[derive(Default)]
+pub struct VolumeKind {
+    series: Series,
+}
 
 /// A loaded volume.
 #[derive(Debug)]
@@ -54,7 +62,7 @@ impl SourceKind for VolumeKind {
     }
 
     fn doc(&self) -> &'static str {
-        "A volume from a file: raw (dimensions and type in its name), NRRD or MetaImage."
+        "A volume from a file, or from the slices or time steps of a folder or a pattern of names."
     }
 
     fn ty(&self) -> PortType {
@@ -63,7 +71,11 @@ impl SourceKind for VolumeKind {
 
     fn params(&self) -> Vec<ParamSpec> {
         vec![
-            ParamSpec::text("path", "", "The file, relative to the graph file."),
+            ParamSpec::text(
+                "path",
+                "",
+                "The file, folder or pattern (`slices/*.tif`), relative to the graph file.",
+            ),
             ParamSpec::vector(
                 "dims",
                 &[0.0; 3],
@@ -94,8 +106,28 @@ impl SourceKind for VolumeKind {
                 false,
                 "The box spans voxel centre to voxel centre.",
             ),
-            ParamSpec::int("component", 0, "Which of several values per voxel.")
-                .range(0.0, 65535.0),
+            ParamSpec::text(
+                "component",
+                "",
+                "Which of several values per voxel: its number from 0, `magnitude` or `color`.",
+            ),
+            ParamSpec::int(
+                "time",
+                0,
+                "Which time step, from 0; a volume without time is the same at all of them.",
+            )
+            .range(0.0, f64::from(i32::MAX)),
+            ParamSpec::text(
+                "part",
+                "",
+                "Which volume of several, by a part of its name: a series of a folder, an array of a group.",
+            ),
+            ParamSpec::int(
+                "level",
+                0,
+                "Which level of a multi-resolution file; 0 is the finest.",
+            )
+            .range(0.0, 64.0),
         ]
     }
 
@@ -107,7 +139,7 @@ impl SourceKind for VolumeKind {
     ) -> Result<Arc<dyn Source>, Findings> {
         let given = Given(params);
         let path = given.path("path", folders)?;
-        if !path.exists() {
+        if !is_there(&path) {
             // A ready graph has no folder of its own on the disk.
             let given = given.text("path").map_or(path.as_path(), Path::new);
             let file = if path.starts_with(EMBEDDED_GRAPHS) {
@@ -126,6 +158,12 @@ impl SourceKind for VolumeKind {
                     .help("use uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64")
             })?),
         };
+        let component = match given.text("component").filter(|text| !text.is_empty()) {
+            None => None,
+            Some(text) => Some(text.parse().map_err(|reason: String| {
+                Finding::error("bad-param", format!("field `component`: {reason}"))
+            })?),
+        };
         let options = LoadOptions {
             dims: given.dims("dims")?,
             scalar_type,
@@ -133,43 +171,19 @@ impl SourceKind for VolumeKind {
             spacing: given.vec3("spacing"),
             origin: given.vec3("origin"),
             node_centred: given.is_set("node_centred"),
-            component: given.uint("component"),
-            max_bytes: None,
-            progress: None,
+            component,
+            part: given
+                .text("part")
+                .filter(|part| !part.is_empty())
+                .map(str::to_owned),
+            level: given.uint("level"),
+            ..LoadOptions::default()
         };
-        let volume = load_with_progress(&path, options, progress)?;
-        Ok(Arc::new(VolumeSource::new(Arc::new(volume))))
+        let volume = self
+            .series
+            .load(&path, options, given.uint("time").unwrap_or(0), progress)?;
+        Ok(Arc::new(VolumeSource::new(volume)))
     }
-}
-
-/// The reader reports from its own thread's closure; it is handed on from here, where `progress` may be borrowed.
-fn load_with_progress(
-    path: &Path,
-    mut options: LoadOptions,
-    progress: volgraph_graph::Progress<'_>,
-) -> Result<Volume, Findings> {
-    let latest = Arc::new(Mutex::new((0_u64, 0_u64)));
-    let seen = Arc::clone(&latest);
-    options.progress = Some(Arc::new(move |done, total| {
-        *seen.lock().unwrap_or_else(PoisonError::into_inner) = (done, total);
-    }));
-    std::thread::scope(|scope| {
-        let reader = scope.spawn(|| Volume::load(path, &options));
-        while !reader.is_finished() {
-            std::thread::sleep(std::time::Duration::from_millis(2));
-            let (done, total) = *latest.lock().unwrap_or_else(PoisonError::into_inner);
-            progress(done, total);
-        }
-        match reader.join() {
-            Ok(result) => result.map_err(|error| Findings::from(Finding::from(error))),
-            Err(_) => Err(Finding::error(
-                "internal",
-                format!("the reader of `{}` panicked", path.display()),
-            )
-            .help("please report this file")
-            .into()),
-        }
-    })
 }
 
 impl Source for VolumeSource {
@@ -185,8 +199,12 @@ impl Source for VolumeSource {
         let grid = self.volume.grid();
         let [x, y, z] = grid.dims;
         let spacing = grid.spacing();
+        let step = match &self.volume.about().step {
+            Some(step) => format!(", time step {} of {}", step.index, step.count),
+            None => String::new(),
+        };
         format!(
-            "{} {x}x{y}x{z} {}, spacing {} {} {}",
+            "{} {x}x{y}x{z} {}, spacing {} {} {}{step}",
             self.volume.name(),
             self.volume.voxels().scalar_type().name(),
             spacing.x,

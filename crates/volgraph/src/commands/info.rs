@@ -1,16 +1,14 @@
 //! `volgraph info`: a volume's dimensions, placement and statistics.
 
 use std::fmt::Write;
-use std::fs::File;
-use std::io::Read;
-use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 use serde_json::{Value, json};
 use volgraph::{Finding, Findings};
-use volgraph_volume::{Grid, LoadOptions, Volume};
+use volgraph_formats::LoadOptions;
+use volgraph_volume::{Grid, Values, Volume};
 
 use crate::args::InfoArgs;
 use crate::output;
@@ -29,36 +27,23 @@ pub fn run(args: &InfoArgs) -> anyhow::Result<ExitCode> {
         scalar_type: args.scalar_type,
         big_endian: args.big_endian,
         component: args.component,
+        part: args.part.clone(),
+        level: args.level,
+        time: args.time,
         progress: Some(Arc::new(move |done, total| {
             shown.update(&what, done, total);
         })),
         ..LoadOptions::default()
     };
-    let loaded = Volume::load(&args.volume, &options);
+    let loaded = volgraph_formats::load(&args.volume, &options);
     bars.clear();
     let volume = loaded.map_err(|error| Findings::from(Finding::from(error)))?;
     if args.json {
-        output::print_json(&to_json(&volume, format(&args.volume)));
+        output::print_json(&to_json(&volume));
     } else {
-        output::print(&format!(
-            "format       {}\n{}",
-            format(&args.volume),
-            text(&volume)
-        ));
+        output::print(&text(&volume));
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// The format of a file that could be read as a volume.
-fn format(path: &Path) -> &'static str {
-    let mut head = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(512).read_to_end(&mut head));
-    let head = String::from_utf8_lossy(&head);
-    match read {
-        Ok(_) if head.starts_with("NRRD") => "NRRD",
-        Ok(_) if head.contains("ObjectType") || head.contains("NDims") => "MetaImage",
-        _ => "raw",
-    }
 }
 
 /// Unit world directions of the index axes, as columns.
@@ -97,8 +82,13 @@ fn text(volume: &Volume) -> String {
     let [x, y, z] = grid.dims;
     let triple = |v: DVec3| format!("{} {} {}", v.x, v.y, v.z);
     let directions = directions(grid);
-    let mut out = format!(
-        "name         {}\ndims         {x} x {y} x {z}, {} voxels\ntype         {}\nspacing      {}\norigin       {}\n",
+    let about = volume.about();
+    let after = |unit: &Option<String>| unit.as_ref().map(|unit| format!(" {unit}"));
+    let unit = after(&about.length_unit).unwrap_or_default();
+    let mut out = format!("format       {}\n", about.format);
+    let _ = write!(
+        out,
+        "name         {}\ndims         {x} x {y} x {z}, {} voxels\ntype         {}\nspacing      {}{unit}\norigin       {}{unit}\n",
         volume.name(),
         grid.voxel_count(),
         volume.voxels().scalar_type().name(),
@@ -130,9 +120,11 @@ fn text(volume: &Volume) -> String {
     if grid.node_centred {
         out.push_str("centring     nodes: the box spans voxel centre to voxel centre\n");
     }
+    out.push_str(&said(volume));
+    let unit = after(&about.value_unit).unwrap_or_default();
     match statistics.range() {
         Some((low, high)) => {
-            let _ = writeln!(out, "range        {low} to {high}");
+            let _ = writeln!(out, "range        {low} to {high}{unit}");
             let _ = writeln!(
                 out,
                 "mean         {}, standard deviation {}",
@@ -158,6 +150,56 @@ fn text(volume: &Volume) -> String {
     out
 }
 
+/// Most labels that are printed.
+const LABELS: usize = 24;
+
+/// What the file says of its values: components, time, meaning, and other facts.
+fn said(volume: &Volume) -> String {
+    let about = volume.about();
+    let mut out = String::new();
+    // Writing to a String does not fail.
+    if let Some(picked) = &about.picked {
+        let _ = writeln!(
+            out,
+            "component    {} of {} values per voxel",
+            picked.component, picked.count
+        );
+    }
+    if let Some(step) = &about.step {
+        let unit = step.unit.as_deref().unwrap_or_default();
+        let at = step
+            .time
+            .map(|time| format!(", at {time} {unit}").trim_end().to_owned());
+        let _ = writeln!(
+            out,
+            "time step    {} of {}{}",
+            step.index,
+            step.count,
+            at.unwrap_or_default()
+        );
+    }
+    match &about.values {
+        Values::Unknown => {}
+        Values::Hounsfield => out.push_str("values       Hounsfield units\n"),
+        Values::Named(name) => {
+            let _ = writeln!(out, "values       {name}");
+        }
+        Values::Labels(names) => {
+            let _ = writeln!(out, "values       labels");
+            for (label, name) in names.iter().take(LABELS) {
+                let _ = writeln!(out, "{label:>12} {name}");
+            }
+            if names.len() > LABELS {
+                let _ = writeln!(out, "             and {} more", names.len() - LABELS);
+            }
+        }
+    }
+    for (name, fact) in &about.facts {
+        let _ = writeln!(out, "{name:<12} {fact}");
+    }
+    out
+}
+
 /// A bar for each sixteenth of the range, as long as the logarithm of its count.
 fn histogram(volume: &Volume) -> String {
     let histogram = volume.histogram(HISTOGRAM_ROWS);
@@ -180,7 +222,20 @@ fn histogram(volume: &Volume) -> String {
     out
 }
 
-fn to_json(volume: &Volume, format: &str) -> Value {
+fn to_json(volume: &Volume) -> Value {
+    let about = volume.about();
+    let (values, labels) = match &about.values {
+        Values::Unknown => (None, None),
+        Values::Hounsfield => (Some("hounsfield"), None),
+        Values::Named(name) => (Some(name.as_str()), None),
+        Values::Labels(names) => (Some("labels"), Some(names)),
+    };
+    let facts: serde_json::Map<String, Value> = about
+        .facts
+        .iter()
+        .map(|(name, fact)| (name.clone(), json!(fact)))
+        .collect();
+    let step = about.step.as_ref();
     let grid = volume.grid();
     let statistics = volume.statistics();
     let directions = directions(grid);
@@ -190,10 +245,22 @@ fn to_json(volume: &Volume, format: &str) -> Value {
         .collect();
     json!({
         "name": volume.name(),
-        "format": format,
+        "format": about.format,
         "files": volume.source_files(),
         "dims": grid.dims,
         "type": volume.voxels().scalar_type().name(),
+        "length_unit": about.length_unit,
+        "values": values,
+        "labels": labels,
+        "value_unit": about.value_unit,
+        "component": about.picked.map(|picked| picked.component.to_string()),
+        "component_count": about.picked.map_or(1, |picked| picked.count),
+        "step": step.map(|step| step.index),
+        "step_count": step.map_or(1, |step| step.count),
+        "time": step.and_then(|step| step.time),
+        "time_unit": step.and_then(|step| step.unit.as_deref()),
+        "has_colors": volume.colors().is_some(),
+        "facts": facts,
         "spacing": grid.spacing().to_array(),
         "origin": grid.origin().to_array(),
         "directions": directions.to_cols_array_2d(),

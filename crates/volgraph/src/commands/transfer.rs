@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use volgraph::edits::save_text;
 use volgraph::presets::{Scale, leading_comments, preset, presets, visible_share};
 use volgraph::{Finding, Findings};
+use volgraph_formats::LoadOptions;
 use volgraph_optics::{TransferFunction, color_map_names};
-use volgraph_volume::{LoadOptions, Volume};
 
 use super::write;
 use crate::args::TransferArgs;
@@ -19,7 +19,7 @@ pub fn run(args: &TransferArgs) -> anyhow::Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     };
     let preset = preset(name).map_err(Findings::from)?;
-    let volume = Volume::load(volume, &LoadOptions::default())
+    let volume = volgraph_formats::load(volume, &LoadOptions::default())
         .map_err(|error| Findings::from(Finding::from(error)))?;
     let mut text = preset.text(&volume).map_err(Findings::from)?;
     let transfer = TransferFunction::parse(name.as_ref(), &text)?;
