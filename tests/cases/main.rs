@@ -24,6 +24,7 @@ mod lights;
 mod lost_devices;
 mod materials;
 mod memory_of_work;
+mod multivolume;
 mod plans;
 mod projections;
 mod quadratures;

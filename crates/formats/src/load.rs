@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 use volgraph_volume::{
     Component, DEFAULT_MAX_BYTES, Grid, ScalarType, Trouble, Volume, VolumeError,
@@ -29,6 +29,8 @@ pub struct LoadOptions {
     pub spacing: Option<DVec3>,
     /// Centre of the first voxel instead of the file's.
     pub origin: Option<DVec3>,
+    /// Moves the placed volume: from its own world to another one.
+    pub transform: Option<DAffine3>,
     /// Makes the volume node-centred, whatever the file says.
     pub node_centred: bool,
     /// What to take where a file has several values per voxel; they are counted with the fastest axis first.
@@ -54,6 +56,7 @@ impl fmt::Debug for LoadOptions {
             .field("big_endian", &self.big_endian)
             .field("spacing", &self.spacing)
             .field("origin", &self.origin)
+            .field("transform", &self.transform)
             .field("node_centred", &self.node_centred)
             .field("component", &self.component)
             .field("time", &self.time)
@@ -116,7 +119,10 @@ impl LoadOptions {
         }
         grid.check()?;
         grid.node_centred |= self.node_centred;
-        let placed = grid.with_placement(self.spacing, self.origin);
+        let mut placed = grid.with_placement(self.spacing, self.origin);
+        if let Some(transform) = self.transform {
+            placed.world_from_index = transform * placed.world_from_index;
+        }
         placed.check()?;
         Ok(placed)
     }

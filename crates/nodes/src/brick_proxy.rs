@@ -89,7 +89,7 @@ impl NodeKind for BrickProxy {
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         // Where nothing is seen no pass draws it.
         let [low, high] = seen(node)?.unwrap_or_default();
-        proxy_box::passes(node, low, high)
+        proxy_box::passes(node, volume(node, "volume")?.grid(), low, high)
     }
 }
 

@@ -24,6 +24,7 @@ pub mod light_volume;
 pub mod lit_preintegration;
 pub mod material_table;
 pub mod multipass_raycast;
+pub mod multivolume_raycast;
 pub mod placement;
 pub mod preintegration;
 pub mod preintegration_3d;
@@ -67,6 +68,7 @@ pub fn registry() -> Registry {
         .add_node(fetch_only::FetchOnly)
         .add_node(slices::Slices)
         .add_node(multipass_raycast::MultipassRaycast)
+        .add_node(multivolume_raycast::MultivolumeRaycast)
         .add_node(brick_ranges::BrickRanges)
         .add_node(distance_map::DistanceMap)
         .add_node(brick_details::BrickDetails)

@@ -42,7 +42,7 @@ pub fn encoding(node: &NodeContext<'_>) -> Result<Encoding, Finding> {
 }
 
 /// How the volume at the port `<port>` is stored by the writer of `<port>_texture`.
-fn encoding_at(node: &NodeContext<'_>, port: &str) -> Result<Encoding, Finding> {
+pub(crate) fn encoding_at(node: &NodeContext<'_>, port: &str) -> Result<Encoding, Finding> {
     // Before the demand phase there is no writer yet; it will get this node's own storage parameter.
     let storage = node.writer(&format!("{port}_texture")).map_or_else(
         || node.text(&format!("{port}_storage")),
@@ -66,7 +66,7 @@ fn encoding_at(node: &NodeContext<'_>, port: &str) -> Result<Encoding, Finding> 
 
 /// The slots that decide how texels are read, for programs that import `lib/volume.wgsl`: (slot, choice).
 #[must_use]
-pub fn texel_slots(node: &NodeContext<'_>) -> [(String, String); 2] {
+pub fn texel_slots(node: &NodeContext<'_>) -> [(String, String); 3] {
     let texel = if node.limits().shared_samplers {
         "nearest"
     } else {
@@ -75,6 +75,7 @@ pub fn texel_slots(node: &NodeContext<'_>) -> [(String, String); 2] {
     [
         filter_slot_at(node, "volume"),
         ("volume_texel".to_owned(), texel.to_owned()),
+        ("volumes".to_owned(), "one".to_owned()),
     ]
 }
 

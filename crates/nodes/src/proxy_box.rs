@@ -1,4 +1,5 @@
-//! `proxy_box`: the box of a volume as triangles, which a raycast draws to start its rays.
+//! `proxy_box`: the box of a volume as triangles, which a raycast draws to start its rays; of several volumes, a box along
+//! the world's axes around all of them.
 
 use glam::DVec3;
 use volgraph_graph::{
@@ -16,12 +17,29 @@ pub struct ProxyBox;
 /// Two triangles for each of six faces.
 pub const VERTICES: u32 = 36;
 
-const INPUTS: &[InputPort] = &[InputPort {
-    name: "volume",
-    ty: PortType::Volume,
-    requirement: Requirement::Required,
-    doc: "The volume whose box is drawn.",
-}];
+/// The ports of volumes, in their order.
+pub(crate) const VOLUMES: [&str; 4] = ["volume", "volume_2", "volume_3", "volume_4"];
+
+const INPUTS: &[InputPort] = &[
+    InputPort {
+        name: "volume",
+        ty: PortType::Volume,
+        requirement: Requirement::Required,
+        doc: "The volume whose box is drawn.",
+    },
+    more("volume_2"),
+    more("volume_3"),
+    more("volume_4"),
+];
+
+const fn more(name: &'static str) -> InputPort {
+    InputPort {
+        name,
+        ty: PortType::Volume,
+        requirement: Requirement::Optional,
+        doc: "Another volume that the box encloses.",
+    }
+}
 
 pub(crate) const OUTPUTS: &[OutputPort] = &[OutputPort {
     name: "rays",
@@ -35,7 +53,7 @@ impl NodeKind for ProxyBox {
     }
 
     fn doc(&self) -> &'static str {
-        "Makes the bounding box of a volume as the geometry that starts rays."
+        "Makes the bounding box of a volume, or of up to four, as the geometry that starts rays."
     }
 
     fn inputs(&self) -> &[InputPort] {
@@ -51,9 +69,28 @@ impl NodeKind for ProxyBox {
     }
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
-        let (low, high) = volume(node, "volume")?.grid().box_index();
-        passes(node, low, high)
+        let grid = enclosing(node)?;
+        let (low, high) = grid.box_index();
+        passes(node, &grid, low, high)
     }
+}
+
+/// A grid whose box is that of a node's volume; of several volumes, a single voxel along the world's axes around all.
+///
+/// # Errors
+/// `missing-input` where there is none.
+pub(crate) fn enclosing(node: &NodeContext<'_>) -> Result<Grid, Finding> {
+    let connected = VOLUMES.iter().filter(|port| node.is_connected(port));
+    let grids: Vec<Grid> = connected
+        .map(|port| volume(node, port).map(|volume| *volume.grid()))
+        .collect::<Result<_, _>>()?;
+    if grids.len() < 2 {
+        return Ok(*volume(node, "volume")?.grid());
+    }
+    let corners = || grids.iter().flat_map(Grid::corners_world);
+    let low = corners().fold(DVec3::INFINITY, DVec3::min);
+    let high = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
+    Ok(Grid::axis_aligned([1; 3], high - low, 0.5 * (low + high)))
 }
 
 /// What holds the triangles of a box.
@@ -63,14 +100,15 @@ pub(crate) fn resource() -> ResourceDesc {
     }
 }
 
-/// Uploads the triangles of a box between two points in index coordinates of a node's volume.
+/// Uploads the triangles of a box between two points in index coordinates of a grid.
 pub(crate) fn passes(
     node: &NodeContext<'_>,
+    grid: &Grid,
     low: DVec3,
     high: DVec3,
 ) -> Result<Vec<Pass>, Finding> {
     let origin = node.origin();
-    let vertices: Vec<[f32; 3]> = triangles(volume(node, "volume")?.grid(), low, high)
+    let vertices: Vec<[f32; 3]> = triangles(grid, low, high)
         .into_iter()
         .map(|v| (v - origin).as_vec3().to_array())
         .collect();

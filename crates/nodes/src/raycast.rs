@@ -330,10 +330,13 @@ impl NodeKind for Raycast {
 pub(crate) fn tile(node: &NodeContext<'_>) -> Result<Option<[u32; 4]>, Finding> {
     let grid = placement::volume(node, "volume")?.grid();
     let corners = brick_proxy::covered(node)?.map(|[low, high]| corners_world(grid, low, high));
-    let bounds = |corners: [DVec3; 8]| node.view()?.pixel_bounds(&corners);
-    Ok(corners.and_then(bounds))
+    Ok(corners.and_then(|corners| node.view()?.pixel_bounds(&corners)))
 }
 
+/// The same of the whole box of a grid.
+pub(crate) fn tile_of(node: &NodeContext<'_>, grid: &Grid) -> Option<[u32; 4]> {
+    node.view()?.pixel_bounds(&grid.corners_world())
+}
 /// The corners of a part of a grid, which is between two points in index coordinates.
 fn corners_world(grid: &Grid, low: DVec3, high: DVec3) -> [DVec3; 8] {
     std::array::from_fn(|corner| {
@@ -352,17 +355,28 @@ fn corners_world(grid: &Grid, low: DVec3, high: DVec3) -> [DVec3; 8] {
 pub(crate) fn tile_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     let grid = placement::volume(node, "volume")?.grid();
     let [low, high] = brick_proxy::covered(node)?.unwrap_or_default();
+    let first = tile(node)?;
+    Ok(tile_members(node, grid, [low, high], first))
+}
+
+/// The same for the part of a grid between two points in index coordinates, whose first pixel is that of `tile`.
+pub(crate) fn tile_members(
+    node: &NodeContext<'_>,
+    grid: &Grid,
+    [low, high]: [DVec3; 2],
+    tile: Option<[u32; 4]>,
+) -> Uniform {
     let middle = grid.world_from_index.transform_point3(0.5 * (low + high));
     let corners = corners_world(grid, low, high).into_iter();
     let radius = corners
         .map(|corner| corner.distance(middle))
         .fold(0.0, f64::max);
     let half_side = 0.5 * (grid.spacing() * (high - low)).min_element();
-    let first = tile(node)?.map_or([0; 2], |tile| [tile[0], tile[1]]);
-    Ok(vec![
+    let first = tile.map_or([0; 2], |tile| [tile[0], tile[1]]);
+    vec![
         ("first", UniformValue::UVec2(first)),
         ("centre", vec3(middle - node.origin())),
         ("half_side", f32_value(half_side)),
         ("radius", f32_value(radius)),
-    ])
+    ]
 }

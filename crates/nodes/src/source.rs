@@ -11,7 +11,7 @@ pub mod volume;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use volgraph_graph::{Folders, is_embedded};
 use volgraph_report::{Finding, Findings};
 use volgraph_shader::{ParamSpec, ParamValue};
@@ -19,6 +19,16 @@ use volgraph_shader::{ParamSpec, ParamValue};
 /// The field that names a source's file.
 fn path_param() -> ParamSpec {
     ParamSpec::text("path", "", "The file, relative to the graph file.")
+}
+
+/// The field that moves a volume.
+fn transform_param() -> ParamSpec {
+    let identity = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    ParamSpec::vector(
+        "transform",
+        &identity,
+        "Moves the volume from its own world to the scene's: the three rows of four numbers of an affine matrix.",
+    )
 }
 
 /// The given fields of a source, already checked against its kind's specs.
@@ -92,6 +102,22 @@ impl Given<'_> {
     fn vec3(&self, name: &str) -> Option<DVec3> {
         match self.0.get(name) {
             Some(ParamValue::Vector(v)) if v.len() == 3 => Some(DVec3::new(v[0], v[1], v[2])),
+            _ => None,
+        }
+    }
+
+    /// Twelve numbers, the rows of a 3×4 matrix.
+    fn affine(&self, name: &str) -> Option<DAffine3> {
+        match self.0.get(name) {
+            Some(ParamValue::Vector(v)) if v.len() == 12 => {
+                let column = |at: usize| DVec3::new(v[at], v[at + 4], v[at + 8]);
+                Some(DAffine3::from_cols(
+                    column(0),
+                    column(1),
+                    column(2),
+                    column(3),
+                ))
+            }
             _ => None,
         }
     }

@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-use glam::{DVec3, UVec3};
+use glam::{DAffine3, DVec3, UVec3};
 
 use crate::error::Trouble;
 use crate::for_voxels;
@@ -123,6 +123,17 @@ impl Volume {
                 Ok(self)
             }
         }
+    }
+
+    /// The same voxels at another place: `transform` leads from the world that it was in to the new one.
+    ///
+    /// # Errors
+    /// [`VolumeError::Grid`] where the transform is singular or not finite.
+    pub fn moved(mut self, transform: DAffine3) -> Result<Self, VolumeError> {
+        self.grid.world_from_index = transform * self.grid.world_from_index;
+        self.grid.check()?;
+        (self.digest, self.steepness) = Default::default();
+        Ok(self)
     }
 
     /// What its file says of it beside grid and voxels.

@@ -1,13 +1,10 @@
 // Which tables of transfer functions are read: those of one.
 #import "lib/nearest_sampler.wgsl"
+#import "lib/tables.wgsl"
 #import "lib/transfer_row.wgsl"
 #import slot "table_filter"
 
 @group(2) @binding(0) var<uniform> transfer: Transfer;
-@group(2) @binding(1) var transfer_table: texture_2d<f32>;
-@group(2) @binding(2) var preintegration_table: texture_2d<f32>;
-@group(2) @binding(6) var integral_table: texture_2d<f32>;
-@group(2) @binding(7) var preintegration_half_table: texture_2d<f32>;
 
 // The entry at a texture coordinate. The nearest one: with 8192 entries its rounding is below the error of the
 // quadrature. The sampler clamps; a load would be checked against the table's size each time.

@@ -69,8 +69,9 @@ pub(super) fn check_tables_of_labels(node: &NodeContext<'_>) -> Result<(), Findi
 /// Beyond all scalars, in f32.
 const NO_SCALAR: f64 = 3.0e38;
 
-/// The ports of the tables of one transfer function, or of many.
+/// The ports of a volume and of the tables of one transfer function, or of many.
 pub(crate) struct TablePorts {
+    pub volume: &'static str,
     pub transfer: &'static str,
     pub preintegration: &'static str,
     pub half: &'static str,
@@ -79,12 +80,14 @@ pub(crate) struct TablePorts {
 
 impl TablePorts {
     pub const ONE: Self = Self {
+        volume: "volume",
         transfer: "transfer_table",
         preintegration: "preintegration_table",
         half: "preintegration_half_table",
         integral: "integral_table",
     };
     pub const MANY: Self = Self {
+        volume: "volume",
         transfer: "transfer_tables",
         preintegration: "preintegration_tables",
         half: "preintegration_half_tables",
@@ -105,7 +108,7 @@ pub(crate) fn transfer_uniform(
     transfer: &TransferFunction,
     ports: &TablePorts,
 ) -> Result<Uniform, Finding> {
-    let volume = placement::volume(node, "volume")?;
+    let volume = placement::volume(node, ports.volume)?;
     let scalar = |at: f64| data_value(volume, transfer.domain(), at);
     let voxel = volume.grid().min_spacing();
     let last = |port: &str, param: &str| {
@@ -134,9 +137,9 @@ pub(crate) fn transfer_uniform(
     let [color_least, color_most] = transfer
         .color_bounds()
         .map(|color| UniformValue::Vec3(color.map(|value| value as f32)));
-    let (low, span) = table_range(node, transfer)?;
+    let (low, span) = table_range_at(node, ports.volume, transfer)?;
     // Shaders count scalars from the encoding's reference.
-    let reference = placement::encoding(node)?.reference;
+    let reference = placement::encoding_at(node, ports.volume)?.reference;
     // Of a transfer function that bends nothing, no scalar is between the two.
     let (first_bent, last_bent) = transfer
         .refraction_span()
@@ -185,11 +188,20 @@ pub(crate) fn table_range(
     node: &NodeContext<'_>,
     transfer: &TransferFunction,
 ) -> Result<(f64, f64), Finding> {
-    let volume = placement::volume(node, "volume")?;
+    table_range_at(node, "volume", transfer)
+}
+
+/// The same for the volume at another port.
+fn table_range_at(
+    node: &NodeContext<'_>,
+    port: &str,
+    transfer: &TransferFunction,
+) -> Result<(f64, f64), Finding> {
+    let volume = placement::volume(node, port)?;
     let (low, high) = transfer.range();
     let [low, high] = [low, high].map(|at| data_value(volume, transfer.domain(), at));
     // Shaders count scalars from the encoding's reference.
-    let reference = placement::encoding(node)?.reference;
+    let reference = placement::encoding_at(node, port)?.reference;
     Ok((low - reference, high - low))
 }
 

@@ -16,7 +16,14 @@ use super::volume::VolumeSource;
 pub struct AnalyticKind;
 
 /// The fields of the source that are not the function's own parameters.
-const OWN: [&str; 5] = ["field", "dims", "type", "levels", "node_centred"];
+const OWN: [&str; 6] = [
+    "field",
+    "dims",
+    "type",
+    "levels",
+    "node_centred",
+    "transform",
+];
 
 impl SourceKind for AnalyticKind {
     fn name(&self) -> &'static str {
@@ -52,6 +59,7 @@ impl SourceKind for AnalyticKind {
                 false,
                 "Samples run from face to face of the cube, instead of lying at the centres of voxels.",
             ),
+            super::transform_param(),
         ];
         for info in names.iter().filter_map(|name| AnalyticField::info(name)) {
             for parameter in info.parameters {
@@ -108,6 +116,10 @@ impl SourceKind for AnalyticKind {
                     None => sample(&field, dims, scalar_type),
                 },
             )
+            .and_then(|volume| match given.affine("transform") {
+                Some(transform) => volume.moved(transform),
+                None => Ok(volume),
+            })
             .map_err(|error| Findings::from(Finding::from(error)))?;
         progress(1, 1);
         Ok(Arc::new(VolumeSource::new(Arc::new(volume))))

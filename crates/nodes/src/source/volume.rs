@@ -101,6 +101,7 @@ impl SourceKind for VolumeKind {
                 &[0.0; 3],
                 "World position of the first voxel's centre, instead of the file's.",
             ),
+            super::transform_param(),
             ParamSpec::bool(
                 "node_centred",
                 false,
@@ -170,6 +171,7 @@ impl SourceKind for VolumeKind {
             big_endian: given.is_set("big_endian"),
             spacing: given.vec3("spacing"),
             origin: given.vec3("origin"),
+            transform: given.affine("transform"),
             node_centred: given.is_set("node_centred"),
             component,
             part: given
