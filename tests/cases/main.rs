@@ -9,6 +9,7 @@ mod brick_proxies;
 mod clips;
 mod closed_forms;
 mod differences;
+mod direct_colors;
 mod error_estimates;
 mod exhaustion;
 mod fetch_only;

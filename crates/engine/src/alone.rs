@@ -16,7 +16,7 @@ use std::time::SystemTime;
 
 use volgraph_formats::{LoadOptions, parse_raw_name};
 use volgraph_report::{Finding, Findings};
-use volgraph_volume::Volume;
+use volgraph_volume::{Component, Values, Volume, VolumeError};
 
 use self::looks::{Looks, looks};
 use crate::presets::{foreground, hounsfield_offset, points_text, preset, reference_length};
@@ -93,11 +93,28 @@ pub fn graph_for(path: &Path) -> Result<Alone, Findings> {
     {
         return Ok(alone.clone());
     }
-    let volume = volgraph_formats::load(path, &LoadOptions::default())
-        .map_err(|error| Findings::from(Finding::from(error)))?;
-    let alone = pick(&volume, &path.display().to_string());
+    let (volume, field) = load(path).map_err(|error| Findings::from(Finding::from(error)))?;
+    let mut alone = pick(&volume, &path.display().to_string());
+    if !field.is_empty() {
+        let file = format!("volume(path: {}", quoted(&path.display().to_string()));
+        alone.graph = alone.graph.replacen(&file, &format!("{file}, {field}"), 1);
+    }
     *last() = Some((path.to_path_buf(), length, modified, alone.clone()));
     Ok(alone)
+}
+
+/// The volume, and the field that takes one value where there are several and none is a choice of the file's own: their
+/// length.
+fn load(path: &Path) -> Result<(Volume, &'static str), VolumeError> {
+    let plain = volgraph_formats::load(path, &LoadOptions::default());
+    let Err(VolumeError::Component(_)) = plain else {
+        return plain.map(|volume| (volume, ""));
+    };
+    let options = LoadOptions {
+        component: Some(Component::Magnitude),
+        ..LoadOptions::default()
+    };
+    volgraph_formats::load(path, &options).map(|volume| (volume, "component: \"magnitude\""))
 }
 
 impl Alone {
@@ -136,6 +153,17 @@ fn pick(volume: &Volume, path: &str) -> Alone {
     }
     let lit = r#""classify": "preintegrated_2d", "light": "phong", "gradient_method": "sobel""#;
     let params = r#""step": 0.5, "ambient": 0.25, "diffuse": 0.8"#;
+    if volume.colors().is_some() {
+        let reference = reference_length(volume);
+        let text = format!(
+            "// Opacity alone: colours are the volume's own.\n(\n    domain: range,\n    {reference},\n    color: (1, 1, 1),\n    \
+             opacity: [(0.0, 0.0), (0.1, 0.0), (0.6, 0.6), (1.0, 0.9)],\n)\n"
+        );
+        let why = "its voxels have colours of their own: they are drawn, the brighter the denser"
+            .to_owned();
+        let slots = format!("\"colors\": \"volume\", {lit}");
+        return alone(path, Some(text), &slots, params, why);
+    }
     if min.abs().max(max.abs()) > 1e29 {
         // Control points reach 1e30; these count 0 to 1 over the values that there are.
         let reference = reference_length(volume);
@@ -146,12 +174,21 @@ fn pick(volume: &Volume, path: &str) -> Alone {
         let why = "its values go beyond 1e29: a ramp over all of them".to_owned();
         return alone(path, Some(text), lit, params, why);
     }
-    if looks.are_labels() && max - min >= 2.0 {
+    let says_labels = matches!(volume.about().values, Values::Labels(_));
+    if (says_labels || looks.are_labels()) && max - min >= 2.0 {
         let why = format!(
             "it has {} whole numbers in patches, {:.0} % of neighbours equal: labels, each its own colour",
             looks.distinct,
             100.0 * looks.equal
         );
+        let why = if says_labels {
+            format!(
+                "its file says that its {} values are labels: each its own colour",
+                looks.distinct
+            )
+        } else {
+            why
+        };
         return alone(
             path,
             Some(labels(min, &looks)),

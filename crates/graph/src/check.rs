@@ -285,6 +285,7 @@ fn dimension(ty: PortType) -> Option<TextureDim> {
         | PortType::BrickRanges
         | PortType::BrickDetails
         | PortType::VolumeTexture
+        | PortType::ColorVolume
         | PortType::GradientTexture
         | PortType::LabelTexture => Some(TextureDim::D3),
         PortType::Volume

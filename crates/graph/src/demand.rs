@@ -260,6 +260,7 @@ fn is_texture(ty: crate::PortType) -> bool {
             | P::Pieces
             | P::Table3d
             | P::VolumeTexture
+            | P::ColorVolume
             | P::GradientTexture
             | P::LabelTexture
             | P::ImageTexture

@@ -45,6 +45,8 @@ pub enum PortType {
     Table3d,
     /// A 3D texture of scalars.
     VolumeTexture,
+    /// A 3D texture of colours.
+    ColorVolume,
     /// A 3D texture of gradients.
     GradientTexture,
     /// A 3D texture of labels and of how far each is the only one around.
@@ -83,6 +85,7 @@ impl fmt::Display for PortType {
             Self::Pieces => "pieces",
             Self::Table3d => "table_3d",
             Self::VolumeTexture => "volume_texture",
+            Self::ColorVolume => "color_volume",
             Self::GradientTexture => "gradient_texture",
             Self::LabelTexture => "label_texture",
             Self::ImageTexture => "image_texture",

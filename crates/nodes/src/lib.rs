@@ -9,6 +9,7 @@ pub mod brick_details;
 pub mod brick_proxy;
 pub mod brick_ranges;
 pub(crate) mod clip_volume;
+pub mod color_texture;
 pub(crate) mod composing;
 pub mod difference;
 pub mod distance_map;
@@ -74,6 +75,7 @@ pub fn registry() -> Registry {
         .add_node(brick_details::BrickDetails)
         .add_node(stride_map::StrideMap)
         .add_node(volume_texture::VolumeTexture)
+        .add_node(color_texture::ColorTexture)
         .add_node(label_texture::LabelTexture)
         .add_node(gradient::Gradient)
         .add_node(transfer_table::TransferTable)

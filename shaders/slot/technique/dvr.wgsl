@@ -2,6 +2,7 @@
 // @skips transfer
 #import "lib/compositing.wgsl"
 #import slot "classify"
+#import slot "colors"
 #import slot "light"
 
 struct TechniqueState {
@@ -13,7 +14,7 @@ fn technique_begin(ray: Ray) -> TechniqueState {
 }
 
 fn technique_segment(state: ptr<function, TechniqueState>, ray: ptr<function, Ray>, segment: Segment) -> bool {
-    let classified = classify_segment(*ray, segment);
+    let classified = colors_segment(classify_segment(*ray, segment), *ray, segment);
     if classified.transmittance < 1.0 {
         let color = light_segment(classified, segment, *ray);
         (*state).composite = compositing_segment((*state).composite, *ray, segment, color, classified.transmittance);

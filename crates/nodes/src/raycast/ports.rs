@@ -79,6 +79,17 @@ pub(super) const INPUTS: &[InputPort] = &[
         doc: "The volume on the device.",
     },
     InputPort {
+        name: "color_volume",
+        ty: PortType::ColorVolume,
+        requirement: Requirement::Demanded(Demand {
+            kind: "color_texture",
+            inputs: &[("volume", "volume")],
+            params: &[],
+            slots: &[],
+        }),
+        doc: "The volume's own colours on the device.",
+    },
+    InputPort {
         name: "brick_ranges",
         ty: PortType::BrickRanges,
         requirement: Requirement::Demanded(distance_map::RANGES),

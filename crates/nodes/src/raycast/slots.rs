@@ -35,6 +35,11 @@ pub(super) const SLOTS: &[SlotSpec] = &[
         doc: "What are colour and opacity of a segment?",
     },
     SlotSpec {
+        name: "colors",
+        default: "transfer",
+        doc: "Where do the colours of a segment come from?",
+    },
+    SlotSpec {
         name: "tone",
         default: "window",
         doc: "What does a projected scalar look like?",

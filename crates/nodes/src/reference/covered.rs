@@ -96,6 +96,7 @@ fn is_read(node: &NodeContext<'_>, slot: &str) -> bool {
     match slot {
         "tone" => is_projection(technique) && technique != "xray",
         "classify" => matches!(technique, "dvr" | "isosurface_dvr"),
+        "colors" => technique == "dvr",
         "light" => !is_projection(technique),
         "material" | "shadow" => is_lit,
         "gradient" => is_lit || has_surfaces,

@@ -28,6 +28,7 @@ const COVERED: Covered = &[
 /// Of emission and absorption: unlit, by any quadrature.
 const OF_MATTER: Covered = &[
     ("light", &["unlit"]),
+    ("colors", &["transfer"]),
     (
         "classify",
         &[
