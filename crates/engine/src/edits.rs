@@ -13,7 +13,7 @@ use volgraph_report::{Finding, Findings, Place};
 use volgraph_shader::ParamValue;
 
 use crate::embedded;
-use crate::overrides::{Overrides, ParamOverride, volume_source};
+use crate::overrides::{Overrides, ParamOverride, TIME, VOLUME, volume_source};
 use crate::renderer::RENDERER;
 use crate::scene::{folder_of, read_text};
 
@@ -49,6 +49,17 @@ impl Overrides {
                 let path = from_folder(&folder_of(graph), file);
                 edits.push(Edit::Volume { source, path });
             }
+        }
+        if let Some(time) = self.time {
+            let volumes = desc
+                .sources
+                .iter()
+                .filter(|(_, source)| source.kind == VOLUME);
+            edits.extend(volumes.map(|(name, _)| Edit::Param {
+                target: name.clone(),
+                name: TIME.to_owned(),
+                value: Some(ParamValue::Int(time.into())),
+            }));
         }
         for set in &self.params {
             let is_renderer = set.name == RENDERER && !set.is_slot;

@@ -20,7 +20,7 @@ use volgraph_picture::Picture;
 use volgraph_report::{Finding, Findings, Place};
 
 use crate::methods::around;
-use crate::overrides::ParamOverride;
+use crate::overrides::{ParamOverride, TIME};
 use crate::scene::SourceProgress;
 use crate::session::{Change, Outcome, Session};
 
@@ -131,6 +131,26 @@ impl Film {
                 }
             }
         }
+    }
+
+    /// The same film over time steps: from `first` to `last` of each of the volumes named in `series`, evenly over the
+    /// frames. A parameter that the path sets itself stays the path's.
+    #[must_use]
+    pub fn over_steps(mut self, series: &[&str], first: u32, last: u32) -> Self {
+        let gaps = self.frames.len().saturating_sub(1).max(1) as f64;
+        for (number, frame) in self.frames.iter_mut().enumerate() {
+            let share = number as f64 / gaps;
+            let step = (f64::from(first) + share * (f64::from(last) - f64::from(first))).round();
+            for source in series {
+                let is_set = |set: &ParamOverride| set.target == *source && set.name == TIME;
+                if !frame.sets.iter().any(is_set)
+                    && let Ok(set) = ParamOverride::parse(&format!("{source}.{TIME}={step}"))
+                {
+                    frame.sets.push(set);
+                }
+            }
+        }
+        self
     }
 
     /// The frames.

@@ -22,6 +22,9 @@ pub struct Overrides {
     /// `--data FOLDER`: where files of sources are looked for that do not lie beside the graph.
     #[serde(serialize_with = "shown")]
     pub data: Vec<PathBuf>,
+    /// `--time STEP`: the time step of all volumes that have several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time: Option<u32>,
     /// `node.port`: what the output [`LOOK`] shows beside the graph's own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub look: Option<String>,
@@ -182,6 +185,13 @@ impl Overrides {
                 findings.take(set_renderer(&set.target, node, &set.value, &set.place()));
             }
         }
+        if let Some(time) = self.time {
+            let set = time_desc(time);
+            let volumes = desc.sources.values_mut().filter(|it| it.kind == VOLUME);
+            for source in volumes {
+                source.params.insert(TIME.to_owned(), set.clone());
+            }
+        }
         if let Some(camera) = &self.camera {
             desc.camera = Some(camera.clone());
         }
@@ -195,6 +205,20 @@ impl Overrides {
             desc.outputs.insert(LOOK.to_owned(), edge);
         }
         findings.into_result(())
+    }
+}
+
+/// The kind of source that has time steps, and its field for them.
+pub(crate) const VOLUME: &str = "volume";
+/// See [`VOLUME`].
+pub(crate) const TIME: &str = "time";
+
+fn time_desc(time: u32) -> ParamDesc {
+    let place = Place::whole_file(format!("--time {time}"));
+    ParamDesc {
+        value: ParamValue::Int(time.into()),
+        name_place: place.clone(),
+        place,
     }
 }
 

@@ -180,6 +180,10 @@ fn overrides(value: &Value) -> Option<Overrides> {
         // The camera is told exactly elsewhere.
         camera: None,
         data: paths(value.get("data")?)?,
+        time: match value.get("time") {
+            Some(time) => Some(u32::try_from(time.as_u64()?).ok()?),
+            None => None,
+        },
         look: None,
     })
 }

@@ -12,6 +12,7 @@ use volgraph_graph::demand::ShaderLibrary;
 use volgraph_graph::{
     GraphDesc, Limits, Plan, PlanRequest, Registry, Source, SourceDesc, is_embedded, read, sources,
 };
+use volgraph_nodes::source::volume::VolumeSource;
 use volgraph_report::{Finding, Findings, Place};
 use volgraph_shader::{ParamValue, ShaderFiles, ShaderRoots};
 use volgraph_watch::Seen;
@@ -186,11 +187,19 @@ impl Scene {
     }
 
     /// This very graph, with whatever was changed in it since its text was read, and parameters and slots of its nodes set
-    /// over all that is set. Sources stay as they are.
+    /// over all that is set. Sources stay as they are, unless their own fields are set: then the graph is read again.
     ///
     /// # Errors
     /// `unknown-node` for a name that is no node.
     pub fn with_sets(&self, sets: &[ParamOverride]) -> Result<Self, Findings> {
+        if sets
+            .iter()
+            .any(|set| self.desc.sources.contains_key(&set.target))
+        {
+            let mut overrides = self.overrides.clone();
+            overrides.params.extend(sets.to_vec());
+            return self.with_overrides(&overrides, &NoProgress);
+        }
         let mut scene = self.clone();
         let set = Overrides {
             params: sets.to_vec(),
@@ -255,6 +264,9 @@ impl Scene {
             dependencies.note_failed_source(&folders.asked(), began);
         }
         self.sources = sources;
+        if let Some(finding) = self.time_without_steps().filter(|_| findings.is_empty()) {
+            findings.push(finding);
+        }
         // Names can be looked up even where a source is broken: all findings at once.
         if let Err(more) =
             volgraph_graph::resolve::resolve(&self.desc, &self.sources, &self.registry)
@@ -262,6 +274,29 @@ impl Scene {
             findings.extend(more);
         }
         findings.into_result(self)
+    }
+
+    /// The volumes that have several time steps: the source's name, the step that is drawn, and how many there are.
+    #[must_use]
+    pub fn series(&self) -> Vec<(&str, u32, u32)> {
+        let steps = self.sources.iter().filter_map(|(name, source)| {
+            let source = source.as_any().downcast_ref::<VolumeSource>()?;
+            let step = source.volume.about().step.as_ref()?;
+            Some((name.as_str(), step.index, step.count))
+        });
+        steps.collect()
+    }
+
+    fn time_without_steps(&self) -> Option<Finding> {
+        let time = self.overrides.time.filter(|_| self.series().is_empty())?;
+        Some(
+            Finding::error(
+                "no-time",
+                "no volume of the graph has several time steps",
+            )
+            .at(Place::whole_file(format!("--time {time}")))
+            .help("leave `--time` out, or give a volume with time: a 4D file, or a folder or pattern of one file per step"),
+        )
     }
 
     /// The shaders, for a device with these capabilities.

@@ -2,6 +2,7 @@
 
 mod menus;
 mod panes;
+mod time;
 
 use std::path::Path;
 
@@ -9,6 +10,7 @@ use egui::Ui;
 use egui_tiles::Tree;
 
 use self::panes::{Panels, Panes, default_layout};
+use self::time::TimeBar;
 use crate::blit::Shot;
 use crate::export::Export;
 use crate::settings::{Pane, Settings};
@@ -21,6 +23,7 @@ pub struct Viewer {
     settings: Settings,
     layout: Tree<Pane>,
     panels: Panels,
+    time: TimeBar,
     is_budget_given: bool,
     is_help_open: bool,
     message: Option<String>,
@@ -37,6 +40,7 @@ impl Viewer {
             settings,
             layout: default_layout(),
             panels: Panels::default(),
+            time: TimeBar::default(),
             is_help_open: false,
             message: None,
             export: Export::default(),
@@ -138,6 +142,11 @@ impl Viewer {
         {
             let told = self.worker.told();
             self.panels.follow_ray(&told);
+            if TimeBar::is_needed(&told) {
+                egui::Panel::bottom("time").show(ui, |ui| {
+                    requests.extend(self.time.show(ui, &told));
+                });
+            }
             let mut panes = Panes {
                 told: &told,
                 shot,

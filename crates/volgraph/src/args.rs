@@ -18,7 +18,7 @@ use volgraph::{AdapterChoice, CameraDesc, Overrides, ParamOverride, ShaderFolder
 use volgraph_volume::{Component, ScalarType};
 
 pub use accuracy::{AdviseArgs, ReferenceArgs, StressArgs};
-pub use animate::AnimateArgs;
+pub use animate::{AnimateArgs, Steps};
 pub use authors::{GalleryArgs, GraphsArgs, NewArgs, NewSlot, SetArgs, TestArgs, TransferArgs};
 pub use bench::BenchArgs;
 pub use chart::{ChartArgs, TruthChoice};
@@ -181,6 +181,9 @@ pub struct SceneArgs {
     /// one volume, or one that is named `volume`.
     #[arg(long, value_name = "[NAME=]FILE", value_parser = parse_volume)]
     pub volume: Vec<(String, PathBuf)>,
+    /// The time step of all volumes that have several, from 0.
+    #[arg(long, value_name = "STEP")]
+    pub time: Option<u32>,
     /// The camera, as a graph writes it: orbit(azimuth: 40, elevation: 25) or look_at(eye: (1, 2, 3)).
     #[arg(long, value_name = "CAMERA", value_parser = parse_camera)]
     pub camera: Option<CameraDesc>,
@@ -206,6 +209,7 @@ impl SceneArgs {
             volumes: self.volume.clone(),
             camera: self.camera.clone(),
             data: self.data.data.clone(),
+            time: self.time,
             look: None,
         }
     }

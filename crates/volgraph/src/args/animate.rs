@@ -23,9 +23,13 @@ pub struct AnimateArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "degrees")]
     pub path: Option<PathBuf>,
     /// How far the camera goes around, in degrees; whole turns close without a doubled frame. Below 0 it goes the other way.
-    #[arg(long, value_name = "DEGREES", default_value = "360", allow_negative_numbers = true, value_parser = parse_degrees)]
-    pub degrees: f64,
-    /// How many frames; by default those of the path, or 120.
+    /// 360 by default; with --steps 0.
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = parse_degrees)]
+    pub degrees: Option<f64>,
+    /// Go over the time steps of the volumes that have several: `all`, or from one to another.
+    #[arg(long, value_name = "all | FIRST..LAST", value_parser = parse_steps)]
+    pub steps: Option<Steps>,
+    /// How many frames; by default those of the path, one for each time step, or 120.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_FRAMES)))]
     pub frames: Option<u32>,
     /// Frames per second of an animated file; by default those that the path says, or 25.
@@ -37,6 +41,27 @@ pub struct AnimateArgs {
     /// Print what came of it as JSON.
     #[arg(long)]
     pub json: bool,
+}
+
+/// Time steps of a film.
+#[derive(Clone, Copy, Debug)]
+pub enum Steps {
+    /// From the first to the last that there is.
+    All,
+    /// From one to another, both drawn; backwards where the second is lower.
+    Between(u32, u32),
+}
+
+fn parse_steps(text: &str) -> Result<Steps, String> {
+    if text == "all" {
+        return Ok(Steps::All);
+    }
+    let ends = text.split_once("..").and_then(|(first, last)| {
+        let last = last.strip_prefix('=').unwrap_or(last);
+        Some((first.parse().ok()?, last.parse().ok()?))
+    });
+    let (first, last) = ends.ok_or("write `all`, or the first and the last step as in 0..24")?;
+    Ok(Steps::Between(first, last))
 }
 
 fn parse_degrees(text: &str) -> Result<f64, String> {

@@ -142,6 +142,7 @@ impl BenchArgs {
             volume: Vec::new(),
             size: self.size.first().copied().unwrap_or([512, 512]),
             set: self.set.clone(),
+            time: None,
             camera: self.camera.clone(),
             data: self.data.clone(),
             shaders: self.shaders.clone(),

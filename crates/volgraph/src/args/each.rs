@@ -45,6 +45,7 @@ impl EachSceneArgs {
             size: self.size,
             set: self.set.clone(),
             volume: self.volume.clone(),
+            time: None,
             camera: self.camera.clone(),
             data: self.data.clone(),
             shaders: self.shaders.clone(),

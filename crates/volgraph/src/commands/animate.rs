@@ -11,14 +11,16 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use serde_json::json;
-use volgraph::film::{CameraPath, Film};
+use volgraph::film::{CameraPath, Film, MAX_FRAMES};
 use volgraph::truth::plan_without_device;
-use volgraph::{Findings, Picture, Scene, Session, View, list_adapters, metadata, open_beside};
+use volgraph::{
+    Finding, Findings, Picture, Plan, Scene, Session, View, list_adapters, metadata, open_beside,
+};
 use volgraph_gpu::GpuError;
 
 use self::target::Target;
 use super::{load, png_bits, session_options, software};
-use crate::args::AnimateArgs;
+use crate::args::{AnimateArgs, Steps};
 use crate::output;
 use crate::progress::Bars;
 
@@ -32,14 +34,20 @@ pub fn run(args: &AnimateArgs) -> anyhow::Result<ExitCode> {
     let path = match &args.path {
         Some(file) => CameraPath::read(file)?,
         None => CameraPath::Turntable {
-            degrees: args.degrees,
+            degrees: args.degrees.unwrap_or(match args.steps {
+                Some(_) => 0.0,
+                None => 360.0,
+            }),
         },
     };
-    let frames = args.frames.or(path.frames()).unwrap_or(FRAMES);
     let rate = args.fps.or(path.frames_per_second()).unwrap_or(RATE);
     let options = session_options(&args.scene, None);
     let (scene, gpu) = open_beside(&options.adapter, || load(&args.scene));
     let scene = scene?;
+    let steps = steps(args, &scene).map_err(Findings::from)?;
+    let of_steps = steps.as_ref().map(Stepped::count);
+    let frames = args.frames.or(path.frames()).or(of_steps);
+    let frames = frames.unwrap_or(FRAMES).min(MAX_FRAMES);
     let inputs: Vec<PathBuf> = scene
         .data
         .keys()
@@ -57,11 +65,14 @@ pub fn run(args: &AnimateArgs) -> anyhow::Result<ExitCode> {
     let who = match gpu {
         Ok(gpu) => {
             let mut session = Session::start(scene, Arc::new(gpu), &options)?;
-            draw(&path, frames, &mut session, &mut target)?;
+            let film = film(&path, session.plan(), frames, steps.as_ref());
+            draw(&film, &mut session, &mut target)?;
             session.adapter().to_string()
         }
         Err(GpuError::NoAdapter { .. }) if list_adapters().is_empty() => {
-            let who = draw_without_adapter(args, &path, frames, &scene, &mut target)?;
+            let who = draw_without_adapter(args.scene.size, &scene, &mut target, |plan| {
+                film(&path, plan, frames, steps.as_ref())
+            })?;
             output::note(&format!("there is no adapter: this is drawn by {who}"));
             who
         }
@@ -97,14 +108,62 @@ pub fn run(args: &AnimateArgs) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn draw(
-    path: &CameraPath,
-    frames: u32,
-    session: &mut Session,
-    target: &mut Target,
-) -> Result<(), Findings> {
+/// The time steps that a film goes over.
+struct Stepped {
+    series: Vec<String>,
+    first: u32,
+    last: u32,
+}
+
+impl Stepped {
+    fn count(&self) -> u32 {
+        self.first.abs_diff(self.last).saturating_add(1)
+    }
+}
+
+fn steps(args: &AnimateArgs, scene: &Scene) -> Result<Option<Stepped>, Finding> {
+    let Some(steps) = args.steps else {
+        return Ok(None);
+    };
+    let series = scene.series();
+    let Some(most) = series.iter().map(|(_, _, count)| *count).min() else {
+        let message = "no volume of the graph has several time steps";
+        return Err(Finding::error("no-time", message).help("leave `--steps` out"));
+    };
+    let (first, last) = match steps {
+        Steps::All => (0, most - 1),
+        Steps::Between(first, last) => (first, last),
+    };
+    if first.max(last) >= most {
+        let message = format!(
+            "there is no time step {}: there are {most}",
+            first.max(last)
+        );
+        return Err(
+            Finding::error("no-time", message).help(format!("name steps of 0 to {}", most - 1))
+        );
+    }
+    Ok(Some(Stepped {
+        series: series.iter().map(|(name, ..)| (*name).to_owned()).collect(),
+        first,
+        last,
+    }))
+}
+
+fn film(path: &CameraPath, plan: &Plan, frames: u32, steps: Option<&Stepped>) -> Film {
+    let film = Film::new(path, plan, frames);
+    match steps {
+        Some(steps) => {
+            let series: Vec<&str> = steps.series.iter().map(String::as_str).collect();
+            film.over_steps(&series, steps.first, steps.last)
+        }
+        None => film,
+    }
+}
+
+fn draw(film: &Film, session: &mut Session, target: &mut Target) -> Result<(), Findings> {
     let bars = Bars::new();
-    let film = Film::new(path, session.plan(), frames);
+    let frames = film.frames().len() as u64;
     let mut hazards = Findings::new();
     let drawn = film.render(
         session,
@@ -115,7 +174,7 @@ fn draw(
                 hazards = found.clone();
             }
             target.push(frame, &picture)?;
-            bars.count("drawing frames", u64::from(frame) + 1, u64::from(frames));
+            bars.count("drawing frames", u64::from(frame) + 1, frames);
             Ok(())
         },
     );
@@ -126,16 +185,15 @@ fn draw(
 
 /// Draws on the processor, for there is no adapter, and says who did.
 fn draw_without_adapter(
-    args: &AnimateArgs,
-    path: &CameraPath,
-    frames: u32,
+    size: [u32; 2],
     scene: &Scene,
     target: &mut Target,
+    film: impl FnOnce(&Plan) -> Film,
 ) -> Result<String, Findings> {
     scene.check_color_output()?;
     let bars = Bars::new();
-    let size = args.scene.size;
-    let film = Film::new(path, &plan_without_device(scene, size)?, frames);
+    let film = film(&plan_without_device(scene, size)?);
+    let frames = film.frames().len() as u64;
     let mut by = String::new();
     let mut set = None;
     for (number, frame) in (0..).zip(film.frames()) {
@@ -155,7 +213,7 @@ fn draw_without_adapter(
         picture.metadata = metadata::of(&scene, &plan, &view, &who);
         by = who.to_string();
         target.push(number, &picture)?;
-        bars.count("drawing frames", u64::from(number) + 1, u64::from(frames));
+        bars.count("drawing frames", u64::from(number) + 1, frames);
         set = Some((&frame.sets, scene, plan));
     }
     bars.clear();

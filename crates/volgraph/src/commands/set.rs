@@ -23,6 +23,7 @@ pub fn run(args: &SetArgs) -> anyhow::Result<ExitCode> {
         volumes: args.volume.clone(),
         camera: args.camera.clone(),
         data: Vec::new(),
+        time: None,
         look: None,
     };
     let mut edits: Vec<Edit> = args.unset.iter().map(taken_out).collect();
