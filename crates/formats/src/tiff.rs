@@ -11,6 +11,7 @@
 
 mod layout;
 mod pages;
+pub(crate) use pages::{rgb_of_ycbcr, weave};
 mod patched;
 
 use glam::DVec3;
