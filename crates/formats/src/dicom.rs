@@ -55,7 +55,11 @@ pub(crate) fn open<'a>(
         return segments::open(files, images, group);
     }
     let name = |member: usize| name_of(&files, &images, group.members[member]);
-    let frames: Vec<&Frame> = group.members.iter().map(|&(i, f)| &images[i].frames[f]).collect();
+    let frames: Vec<&Frame> = group
+        .members
+        .iter()
+        .map(|&(i, f)| &images[i].frames[f])
+        .collect();
     let placed = place(&frames, name)?;
     let image = &images[group.members[0].0];
     for &(member, _) in &group.members {
@@ -66,7 +70,8 @@ pub(crate) fn open<'a>(
     let (rescales, scalar_type) = rescales(&images, &group.members);
     let mut contents = contents_of(&files, &images, &group.members, &placed, scalar_type)?;
     if rescales.iter().any(|rescale| *rescale != rescales[0]) {
-        let text = format!("slope or intercept differ among the slices: all are brought to {scalar_type}");
+        let text =
+            format!("slope or intercept differ among the slices: all are brought to {scalar_type}");
         contents.warnings.push(text);
     }
     let values = u64::from(image.rows) * u64::from(image.columns) * u64::from(image.samples);
@@ -92,7 +97,11 @@ pub(crate) fn open<'a>(
 
 /// What a frame is called in messages: its file, and its number where the file has several.
 fn name_of(files: &[Input<'_>], images: &[Image], (image, frame): (usize, usize)) -> String {
-    let name = files[image].path.file_name().unwrap_or_default().to_string_lossy();
+    let name = files[image]
+        .path
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy();
     match images[image].frames.len() {
         1 => name.into_owned(),
         _ => format!("frame {frame} of {name}"),
@@ -105,7 +114,10 @@ fn is_read(image: &Image) -> Result<(), VolumeError> {
     let photometric = image.photometric.as_str();
     let good = match image.samples {
         1 => true,
-        3 if native => matches!(photometric, "RGB" | "YBR_FULL") && image.allocated == 8 || photometric == "RGB",
+        3 if native => {
+            matches!(photometric, "RGB" | "YBR_FULL") && image.allocated == 8
+                || photometric == "RGB"
+        }
         3 => photometric == "RGB" || photometric.starts_with("YBR"),
         _ => false,
     };
@@ -131,7 +143,9 @@ fn rescales(images: &[Image], members: &[(usize, usize)]) -> (Vec<Rescale>, Scal
         return (rescales, first);
     }
     // Integers of up to 16 bits that differ fit into 32, or a float holds all digits there are.
-    let integers = rescales.iter().all(|rescale| !rescale.scalar_type.is_float());
+    let integers = rescales
+        .iter()
+        .all(|rescale| !rescale.scalar_type.is_float());
     let small = images[members[0].0].scalar_type().size() <= 2;
     let scalar_type = match (integers, small) {
         (true, true) => ScalarType::I32,
@@ -153,7 +167,11 @@ fn contents_of(
 ) -> Result<Contents, VolumeError> {
     let (first, frame) = members[0];
     let image = &images[first];
-    let sizes = [u64::from(image.columns), u64::from(image.rows), placed.slices as u64];
+    let sizes = [
+        u64::from(image.columns),
+        u64::from(image.rows),
+        placed.slices as u64,
+    ];
     let mut axes = match image.samples {
         1 => Axes::new(sizes.to_vec(), vec![0, 1, 2])?,
         n => Axes::new([&[n.into()], &sizes[..]].concat(), vec![1, 2, 3])?,
@@ -179,17 +197,22 @@ fn contents_of(
     if files.len() > 1 {
         let mut used: Vec<usize> = members.iter().map(|&(image, _)| image).collect();
         used.dedup();
-        contents.data_files = used.iter().map(|&image| files[image].path.clone()).collect();
+        contents.data_files = used
+            .iter()
+            .map(|&image| files[image].path.clone())
+            .collect();
         let left = files.len() - used.len();
         if left > 0 {
-            contents.warnings.push(format!("{left} files of other series are passed over"));
+            contents
+                .warnings
+                .push(format!("{left} files of other series are passed over"));
         }
     }
     contents.warnings.extend(placed.warnings.iter().cloned());
     if members.len() == 1 {
-        contents.warnings.push(
-            "this is a single slice; name the folder to read the whole series".to_owned(),
-        );
+        contents
+            .warnings
+            .push("this is a single slice; name the folder to read the whole series".to_owned());
     }
     Ok(contents)
 }
@@ -216,7 +239,8 @@ fn meaning(contents: &mut Contents, image: &Image, frame: &Frame) {
     }
     if image.photometric == "MONOCHROME1" {
         contents.warnings.push(
-            "the smallest value is meant to be white (MONOCHROME1); the values stay as they are".to_owned(),
+            "the smallest value is meant to be white (MONOCHROME1); the values stay as they are"
+                .to_owned(),
         );
     }
 }
@@ -243,13 +267,19 @@ fn facts(contents: &mut Contents, image: &Image) {
         }
     }
     if let Some(padding) = image.padding() {
-        facts.push(("padding value before rescaling".to_owned(), padding.to_string()));
+        facts.push((
+            "padding value before rescaling".to_owned(),
+            padding.to_string(),
+        ));
     }
     if image.data.text(tags::LOSSY_IMAGE_COMPRESSION).as_deref() == Some("01") {
         facts.push(("compression".to_owned(), "with losses".to_owned()));
     }
     if image.photometric != "MONOCHROME2" {
-        facts.push(("photometric interpretation".to_owned(), image.photometric.clone()));
+        facts.push((
+            "photometric interpretation".to_owned(),
+            image.photometric.clone(),
+        ));
     }
 }
 
@@ -271,7 +301,10 @@ impl Frames for Stack<'_> {
         let stored = self.images[image].scalar_type();
         if values.scalar_type() != stored {
             return Err(VolumeError::DataCorrupt(Trouble::new(
-                format!("a frame is decoded to {}, the file says {stored}", values.scalar_type()),
+                format!(
+                    "a frame is decoded to {}, the file says {stored}",
+                    values.scalar_type()
+                ),
                 "decompress the series, as with `gdcmconv --raw`",
             ))
             .in_file(&self.files[image].path));

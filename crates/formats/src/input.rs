@@ -124,7 +124,10 @@ impl<'a> Input<'a> {
         let end = offset.checked_add(len).filter(|&end| end <= self.len);
         let (Some(end), Ok(size)) = (end, usize::try_from(len)) else {
             return Err(VolumeError::DataTooShort(Trouble::new(
-                format!("{len} bytes from byte {offset} on are promised, the file has {}", self.len),
+                format!(
+                    "{len} bytes from byte {offset} on are promised, the file has {}",
+                    self.len
+                ),
                 "the file is cut off: fetch it again",
             ))
             .in_file(&self.path));

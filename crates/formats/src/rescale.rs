@@ -18,12 +18,7 @@ impl Rescale {
     /// stored integer type that holds all results where slope and intercept are whole numbers; else float32, and
     /// float64 for stored types of 32 bits or more.
     /// `range` is that of the stored values where the file says it (DICOM's stored bits), or the type's own.
-    pub fn new(
-        stored: ScalarType,
-        range: Option<(f64, f64)>,
-        slope: f64,
-        intercept: f64,
-    ) -> Self {
+    pub fn new(stored: ScalarType, range: Option<(f64, f64)>, slope: f64, intercept: f64) -> Self {
         let (slope, intercept) = if slope == 0.0 || !slope.is_finite() || !intercept.is_finite() {
             (1.0, 0.0)
         } else {

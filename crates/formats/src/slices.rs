@@ -7,7 +7,9 @@
 
 use bytemuck::Zeroable as _;
 use rayon::prelude::*;
-use volgraph_volume::{Element, ScalarType, Trouble, VolumeError, Voxels, for_scalar_type, for_voxels};
+use volgraph_volume::{
+    Element, ScalarType, Trouble, VolumeError, Voxels, for_scalar_type, for_voxels,
+};
 
 use crate::contents::Data;
 use crate::load::Limits;
@@ -36,9 +38,7 @@ impl<F: Frames> Data for Slices<F> {
     fn read(&self, step: u32, limits: &Limits) -> Result<Voxels, VolumeError> {
         let from = step as usize * self.per_step;
         let order = self.order.get(from..from + self.per_step).unwrap_or(&[]);
-        let bytes = u128::from(self.values)
-            * order.len() as u128
-            * self.scalar_type.size() as u128;
+        let bytes = u128::from(self.values) * order.len() as u128 * self.scalar_type.size() as u128;
         if bytes > u128::from(limits.max_bytes) || usize::try_from(bytes).is_err() {
             return Err(VolumeError::TooLarge(Trouble::new(
                 format!(
@@ -166,7 +166,10 @@ mod tests {
     #[test]
     fn promises_are_held_against_the_bytes_there_are() {
         assert!(plausible(Codec::Stored, 100, 100).is_ok());
-        assert_eq!(plausible(Codec::Stored, 100, 101).unwrap_err().code(), "volume-data-too-short");
+        assert_eq!(
+            plausible(Codec::Stored, 100, 101).unwrap_err().code(),
+            "volume-data-too-short"
+        );
         assert!(plausible(Codec::Deflate, 1000, 1_000_000).is_ok());
         assert!(plausible(Codec::Deflate, 1000, 1_100_000).is_err());
         assert!(plausible(Codec::Sparse, u64::MAX, u64::MAX).is_ok());
@@ -174,7 +177,13 @@ mod tests {
 
     #[test]
     fn bytes_become_values_in_either_order() {
-        assert_eq!(values_of(&[1, 2, 3], ScalarType::U16, false), vec![0x0201_u16].into());
-        assert_eq!(values_of(&[1, 2, 255, 254], ScalarType::I16, true), vec![258_i16, -2].into());
+        assert_eq!(
+            values_of(&[1, 2, 3], ScalarType::U16, false),
+            vec![0x0201_u16].into()
+        );
+        assert_eq!(
+            values_of(&[1, 2, 255, 254], ScalarType::I16, true),
+            vec![258_i16, -2].into()
+        );
     }
 }

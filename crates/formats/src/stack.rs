@@ -72,7 +72,10 @@ impl Shape {
             1 => String::new(),
             n => format!(" with {n} channels"),
         };
-        format!("{}×{} {}{channels}", self.width, self.height, self.scalar_type)
+        format!(
+            "{}×{} {}{channels}",
+            self.width, self.height, self.scalar_type
+        )
     }
 }
 
@@ -104,7 +107,9 @@ fn open<'a>(inputs: &[Input<'a>], kind: Kind) -> Result<Opened<'a>, VolumeError>
     };
     let shapes: Vec<Shape> = inputs
         .iter()
-        .map(|input| guarded("picture's", || pictures.shape(input)).map_err(|e| e.in_file(&input.path)))
+        .map(|input| {
+            guarded("picture's", || pictures.shape(input)).map_err(|e| e.in_file(&input.path))
+        })
         .collect::<Result<_, _>>()?;
     let shape = same_shape(&shapes, |i| inputs[i].path.clone())?;
     let name = match kind {
@@ -181,7 +186,9 @@ impl Pictures<'_> {
             Kind::Png => (png_shape(&png_reader(input)?)?, Codec::Deflate),
             Kind::Jpeg => {
                 let mut decoder = jpeg_decoder::Decoder::new(input.open_seek()?);
-                decoder.read_info().map_err(|error| corrupt("JPEG", &error))?;
+                decoder
+                    .read_info()
+                    .map_err(|error| corrupt("JPEG", &error))?;
                 (jpeg_shape(&decoder)?, Codec::Jpeg)
             }
         };
@@ -201,7 +208,9 @@ type Source<'a> = Box<dyn BufReadSeek + 'a>;
 
 fn png_reader<'a>(input: &Input<'a>) -> Result<png::Reader<Source<'a>>, VolumeError> {
     // Text and colour profiles are of no use here; nothing else in the file may allocate more than the file's size.
-    let bytes = usize::try_from(input.len).unwrap_or(usize::MAX).max(1 << 20);
+    let bytes = usize::try_from(input.len)
+        .unwrap_or(usize::MAX)
+        .max(1 << 20);
     let limits = png::Limits { bytes };
     let mut decoder = png::Decoder::new_with_limits(input.open_seek()?, limits);
     decoder.set_ignore_text_chunk(true);
@@ -238,12 +247,17 @@ fn decode_png(input: &Input<'_>) -> Result<Voxels, VolumeError> {
     let size = reader.output_buffer_size().unwrap_or(usize::MAX);
     if size as u64 != shape.bytes() {
         return Err(VolumeError::DataCorrupt(Trouble::new(
-            format!("a picture of {} is decoded to {size} bytes", shape.describe()),
+            format!(
+                "a picture of {} is decoded to {size} bytes",
+                shape.describe()
+            ),
             "save the picture anew",
         )));
     }
     let mut bytes = vec![0; size];
-    reader.next_frame(&mut bytes).map_err(|error| corrupt("PNG", &error))?;
+    reader
+        .next_frame(&mut bytes)
+        .map_err(|error| corrupt("PNG", &error))?;
     Ok(values_of(&bytes, shape.scalar_type, true))
 }
 
@@ -251,7 +265,9 @@ fn jpeg_shape<R: std::io::Read>(decoder: &jpeg_decoder::Decoder<R>) -> Result<Sh
     let unsupported = |cause: String| {
         VolumeError::Unsupported(Trouble::new(cause, "save the picture as gray or RGB"))
     };
-    let info = decoder.info().ok_or_else(|| unsupported("a JPEG picture without a size".into()))?;
+    let info = decoder
+        .info()
+        .ok_or_else(|| unsupported("a JPEG picture without a size".into()))?;
     let (channels, scalar_type) = match info.pixel_format {
         PixelFormat::L8 => (1, ScalarType::U8),
         PixelFormat::L16 => (1, ScalarType::U16),
@@ -276,9 +292,15 @@ pub(crate) fn decode_jpeg_stream<R: std::io::Read>(
     mut decoder: jpeg_decoder::Decoder<R>,
     len: u64,
 ) -> Result<Voxels, VolumeError> {
-    decoder.read_info().map_err(|error| corrupt("JPEG", &error))?;
+    decoder
+        .read_info()
+        .map_err(|error| corrupt("JPEG", &error))?;
     let shape = jpeg_shape(&decoder)?;
     plausible(Codec::Jpeg, len, shape.bytes())?;
     let bytes = decoder.decode().map_err(|error| corrupt("JPEG", &error))?;
-    Ok(values_of(&bytes, shape.scalar_type, cfg!(target_endian = "big")))
+    Ok(values_of(
+        &bytes,
+        shape.scalar_type,
+        cfg!(target_endian = "big"),
+    ))
 }

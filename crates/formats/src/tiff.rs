@@ -57,7 +57,10 @@ pub(crate) fn open<'a>(
     let counts: Vec<usize> = files.iter().map(Pages::count).collect();
     if let Some(other) = counts.iter().position(|&count| count != counts[0]) {
         return Err(VolumeError::Unsupported(Trouble::new(
-            format!("this file has {} pages, and the first one {}", counts[other], counts[0]),
+            format!(
+                "this file has {} pages, and the first one {}",
+                counts[other], counts[0]
+            ),
             "give one of the files, or name those that belong together with a pattern",
         ))
         .in_file(&inputs[other].path));
@@ -66,14 +69,20 @@ pub(crate) fn open<'a>(
     if slices_in_files {
         layout.stack_files(files.len());
     } else if files.len() > 1 {
-        layout.steps_in_files(files.len(), counts[0]).map_err(in_first)?;
+        layout
+            .steps_in_files(files.len(), counts[0])
+            .map_err(in_first)?;
     }
     let mut contents = contents_of(inputs, shape, &layout)?;
     contents.warnings.append(&mut layout.warnings);
     for (file, input) in files.iter().zip(inputs) {
         let name = input.path.file_name().unwrap_or_default().to_string_lossy();
         let several = files.len() > 1;
-        let prefix = if several { format!("{name}: ") } else { String::new() };
+        let prefix = if several {
+            format!("{name}: ")
+        } else {
+            String::new()
+        };
         let told = file.warnings.iter().map(|text| format!("{prefix}{text}"));
         contents.warnings.extend(told);
     }
@@ -83,7 +92,10 @@ pub(crate) fn open<'a>(
     };
     let what = contents.axes.describe(shape.scalar_type);
     let data = Slices {
-        frames: AllPages { files, each: counts[0] },
+        frames: AllPages {
+            files,
+            each: counts[0],
+        },
         order: layout.order,
         per_step: layout.channels * layout.slices,
         values: shape.values(),
@@ -109,7 +121,9 @@ fn contents_of(
         (layout.slices as u64, true),
     ];
     // Axes of one value that are not spatial are left out.
-    let sizes = sizes.into_iter().filter(|&(size, spatial)| spatial || size > 1);
+    let sizes = sizes
+        .into_iter()
+        .filter(|&(size, spatial)| spatial || size > 1);
     let (sizes, spatial): (Vec<u64>, Vec<bool>) = sizes.unzip();
     let spatial = (0..sizes.len()).filter(|&axis| spatial[axis]).collect();
     let mut axes = Axes::new(sizes, spatial)?;
@@ -124,7 +138,9 @@ fn contents_of(
     contents.about.length_unit.clone_from(&layout.length_unit);
     contents.about.facts.clone_from(&layout.facts);
     if let Some(interval) = layout.interval.filter(|_| layout.steps > 1) {
-        contents.times = (0..layout.steps).map(|step| step as f64 * interval).collect();
+        contents.times = (0..layout.steps)
+            .map(|step| step as f64 * interval)
+            .collect();
         contents.time_unit.clone_from(&layout.time_unit);
     }
     if inputs.len() > 1 {

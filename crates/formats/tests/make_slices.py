@@ -229,8 +229,8 @@ def dicoms():
     save(listing, "two_series", "DICOMDIR")
     refuse("dicom/two_series", "volume-option", "several series", warns="2 Thin head, MR, axial 4×4, 2 slices")
     refuse("dicom/two_series", "volume-option", "no such series", part="nose")
-    add("dicom/two_series", "pydicom", "uint8", *parts[1], part="thin")
-    add("dicom/two_series", "pydicom", "uint8", *parts[0], part=UID + "1")
+    add("dicom/two_series", "pydicom", "uint8", *parts[1], part="thin", warns="2 files of other series")
+    add("dicom/two_series", "pydicom", "uint8", *parts[0], part=UID + "1", warns="2 files of other series")
 
     # Single files.
     place = dict(ImageOrientationPatient=[1, 0, 0, 0, 1, 0], ImagePositionPatient=[1, 2, 3], PixelSpacing=[0.5, 0.75],
@@ -357,7 +357,8 @@ def dicoms():
     data.PixelData = b""
     data.compress(RLELossless, frames, generate_instance_uid=False)
     save(data, "rle_frames.dcm")
-    add("dicom/rle_frames.dcm", "pydicom", "uint16", pydicom.dcmread(os.path.join(HERE, "dicom", "rle_frames.dcm")).pixel_array)
+    add("dicom/rle_frames.dcm", "pydicom", "uint16", pydicom.dcmread(os.path.join(HERE, "dicom", "rle_frames.dcm")).pixel_array,
+        warns="without positions")
 
     # A segmentation: two segments, the slice between is empty and left out.
     bits = (rng.random((3, 5, 5)) < 0.5).astype(np.uint8)

@@ -41,11 +41,18 @@ pub(super) fn codec_of(syntax: &str) -> Result<Codec, VolumeError> {
 }
 
 fn corrupt(cause: String) -> VolumeError {
-    VolumeError::DataCorrupt(Trouble::new(cause, "fetch the file again, or decompress the series"))
+    VolumeError::DataCorrupt(Trouble::new(
+        cause,
+        "fetch the file again, or decompress the series",
+    ))
 }
 
 /// The values of a frame, samples fastest.
-pub(super) fn decode(input: &Input<'_>, image: &Image, frame: usize) -> Result<Voxels, VolumeError> {
+pub(super) fn decode(
+    input: &Input<'_>,
+    image: &Image,
+    frame: usize,
+) -> Result<Voxels, VolumeError> {
     let big_endian = image.syntax == BIG_ENDIAN;
     let count = image.rows as usize * image.columns as usize * image.samples as usize;
     let size = (image.allocated as usize / 8).max(1);
@@ -62,7 +69,11 @@ pub(super) fn decode(input: &Input<'_>, image: &Image, frame: usize) -> Result<V
                 return Ok(Voxels::U8((0..count).map(bit).collect()));
             }
             let woven = image.planar && image.samples > 1;
-            let bytes = if woven { weave(&bytes, image.samples as usize, size) } else { bytes };
+            let bytes = if woven {
+                weave(&bytes, image.samples as usize, size)
+            } else {
+                bytes
+            };
             (bytes, big_endian)
         }
         Pixels::Fragments { starts, parts } => {
@@ -98,7 +109,11 @@ pub(super) fn decode(input: &Input<'_>, image: &Image, frame: usize) -> Result<V
         (_, 16) => ScalarType::U16,
         _ => ScalarType::U8,
     };
-    Ok(finish(values_of(&bytes, unsigned, big_endian), image, false))
+    Ok(finish(
+        values_of(&bytes, unsigned, big_endian),
+        image,
+        false,
+    ))
 }
 
 /// The compressed bytes of a frame.
@@ -118,11 +133,20 @@ fn fragments_of(
         // Offsets count from the first fragment's header, eight bytes before it.
         let first = parts.first().map_or(0, |(at, _)| *at);
         let begin = first + starts[frame];
-        let end = starts.get(frame + 1).map_or(u64::MAX, |start| first + start);
-        parts.iter().filter(|(at, _)| (begin..end).contains(at)).copied().collect()
+        let end = starts
+            .get(frame + 1)
+            .map_or(u64::MAX, |start| first + start);
+        parts
+            .iter()
+            .filter(|(at, _)| (begin..end).contains(at))
+            .copied()
+            .collect()
     } else {
         return Err(VolumeError::Unsupported(Trouble::new(
-            format!("{} fragments of pixels, and no table that says which of {frames} frames they are", parts.len()),
+            format!(
+                "{} fragments of pixels, and no table that says which of {frames} frames they are",
+                parts.len()
+            ),
             "decompress the series, as with `gdcmconv --raw`",
         )));
     };
@@ -136,16 +160,28 @@ fn fragments_of(
 /// Bits that the file does not store are cut off, the sign is carried on, and YBR becomes RGB.
 fn finish(values: Voxels, image: &Image, decoded: bool) -> Voxels {
     // Decoders put the lowest stored bit at the bottom.
-    let shift = if decoded { 0 } else { image.high_bit + 1 - image.stored };
+    let shift = if decoded {
+        0
+    } else {
+        image.high_bit + 1 - image.stored
+    };
     let unused = image.allocated - image.stored;
     macro_rules! fix {
         ($values:expr, $signed:ty, $type:ident, $signed_type:ident) => {{
             let mut values = $values;
             if unused > 0 {
-                values.iter_mut().for_each(|value| *value = *value >> shift << unused >> unused);
+                values
+                    .iter_mut()
+                    .for_each(|value| *value = *value >> shift << unused >> unused);
             }
             if image.signed {
-                let carry = |value: $signed| if unused > 0 { value << unused >> unused } else { value };
+                let carry = |value: $signed| {
+                    if unused > 0 {
+                        value << unused >> unused
+                    } else {
+                        value
+                    }
+                };
                 let signed = values.iter().map(|&value| carry(value.cast_signed()));
                 Voxels::$signed_type(signed.collect())
             } else {
@@ -200,7 +236,10 @@ fn runs(encoded: &[u8], image: &Image) -> Result<Vec<u8>, VolumeError> {
                 }
                 _ => {
                     return Err(VolumeError::DataTooShort(Trouble::new(
-                        format!("a segment of runs ends after {} of {each} bytes", planes.len() + each - end),
+                        format!(
+                            "a segment of runs ends after {} of {each} bytes",
+                            planes.len() + each - end
+                        ),
                         "the file is cut off: fetch it again",
                     )));
                 }
@@ -254,22 +293,37 @@ fn jpeg_2000(encoded: &[u8], image: &Image) -> Result<Voxels, VolumeError> {
     if (picture.width(), picture.height()) != (image.columns, image.rows) {
         return Err(corrupt(format!(
             "a frame is compressed as {}×{} pixels, the file says {}×{}",
-            picture.width(), picture.height(), image.columns, image.rows
+            picture.width(),
+            picture.height(),
+            image.columns,
+            image.rows
         )));
     }
     let mut context = DecoderContext::default();
     let decoded = picture.decode(&mut context).map_err(|e| failed(&e))?;
     let components = decoded.components();
     if components.len() != image.samples as usize {
-        return Err(corrupt(format!("a frame has {} components", components.len())));
+        return Err(corrupt(format!(
+            "a frame has {} components",
+            components.len()
+        )));
     }
     let count = image.rows as usize * image.columns as usize;
-    if components.iter().any(|component| component.samples().len() != count) {
+    if components
+        .iter()
+        .any(|component| component.samples().len() != count)
+    {
         return Err(corrupt("a component of a frame has another size".into()));
     }
     // The decoder adds half of the range whether the samples are signed or not.
     let signed = signed_components(encoded);
-    let offset = |depth: u8| if signed { 0.5 * f32::from(depth).exp2() } else { 0.0 };
+    let offset = |depth: u8| {
+        if signed {
+            0.5 * f32::from(depth).exp2()
+        } else {
+            0.0
+        }
+    };
     let mut values = Vec::with_capacity(count * components.len());
     for pixel in 0..count {
         for component in components {
@@ -291,8 +345,11 @@ fn jpeg_2000(encoded: &[u8], image: &Image) -> Result<Voxels, VolumeError> {
 
 /// Whether the first component of a code stream is signed: the highest bit of its depth in the SIZ segment.
 fn signed_components(encoded: &[u8]) -> bool {
-    let siz = encoded.windows(4).position(|four| four == [0xff, 0x4f, 0xff, 0x51]);
-    siz.and_then(|at| encoded.get(at + 42)).is_some_and(|depth| depth & 0x80 != 0)
+    let siz = encoded
+        .windows(4)
+        .position(|four| four == [0xff, 0x4f, 0xff, 0x51]);
+    siz.and_then(|at| encoded.get(at + 42))
+        .is_some_and(|depth| depth & 0x80 != 0)
 }
 
 #[cfg(test)]

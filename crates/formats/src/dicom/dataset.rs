@@ -50,7 +50,11 @@ const WANTED: &[Tag] = &[
 /// A value as it lies in the file, or the items of a sequence.
 #[derive(Clone, Debug)]
 enum Value {
-    Bytes { vr: VR, bytes: Vec<u8>, big_endian: bool },
+    Bytes {
+        vr: VR,
+        bytes: Vec<u8>,
+        big_endian: bool,
+    },
     Items(Vec<Dataset>),
 }
 
@@ -67,7 +71,10 @@ pub(super) enum Pixels {
     Native { offset: u64, len: u64 },
     /// Compressed fragments, offset and length each; and where the first fragment of each frame begins behind the
     /// first one, if the file says it.
-    Fragments { starts: Vec<u64>, parts: Vec<(u64, u64)> },
+    Fragments {
+        starts: Vec<u64>,
+        parts: Vec<(u64, u64)>,
+    },
 }
 
 /// How the pixels of a file are numbers.
@@ -87,7 +94,10 @@ pub(super) struct File {
 }
 
 fn broken(cause: String) -> VolumeError {
-    VolumeError::HeaderSyntax(Trouble::new(cause, "fetch the file again, or export it anew"))
+    VolumeError::HeaderSyntax(Trouble::new(
+        cause,
+        "fetch the file again, or export it anew",
+    ))
 }
 
 /// Whether a file with this head is DICOM: with preamble, without it, or a bare data set.
@@ -165,9 +175,13 @@ impl File {
         let data = walk.dataset(0)?;
         let Walk { pixels, reader, .. } = walk;
         let pixels = match pixels {
-            Some((samples, offset, Some(len))) => {
-                Some((samples, Pixels::Native { offset, len: len.into() }))
-            }
+            Some((samples, offset, Some(len))) => Some((
+                samples,
+                Pixels::Native {
+                    offset,
+                    len: len.into(),
+                },
+            )),
             Some((samples, _, None)) => {
                 Some((samples, fragments(input, reader.into_decoder().position())?))
             }
@@ -190,10 +204,16 @@ fn read_meta(input: &Input<'_>, start: u64) -> Result<(String, u64), VolumeError
         if head[..2] != [2, 0] {
             break;
         }
-        let long = matches!(&head[4..6], b"OB" | b"OW" | b"UN" | b"UT" | b"SQ" | b"UC" | b"UR");
+        let long = matches!(
+            &head[4..6],
+            b"OB" | b"OW" | b"UN" | b"UT" | b"SQ" | b"UC" | b"UR"
+        );
         let (len, begin) = if long {
             let len = input.bytes_at(at + 8, 4)?;
-            (u32::from_le_bytes([len[0], len[1], len[2], len[3]]).into(), at + 12)
+            (
+                u32::from_le_bytes([len[0], len[1], len[2], len[3]]).into(),
+                at + 12,
+            )
         } else {
             (u64::from(u16::from_le_bytes([head[6], head[7]])), at + 8)
         };
@@ -205,9 +225,8 @@ fn read_meta(input: &Input<'_>, start: u64) -> Result<(String, u64), VolumeError
         }
         at = begin + len;
     }
-    let syntax = syntax.ok_or_else(|| {
-        broken("the file meta group names no transfer syntax".into())
-    })?;
+    let syntax =
+        syntax.ok_or_else(|| broken("the file meta group names no transfer syntax".into()))?;
     Ok((syntax, at))
 }
 
@@ -228,7 +247,9 @@ impl Walk<'_, '_> {
     /// The elements to the end of the item, or of the file at depth 0, or to the pixels there.
     fn dataset(&mut self, depth: usize) -> Result<Dataset, VolumeError> {
         if depth > DEEPEST {
-            return Err(broken(format!("more than {DEEPEST} sequences lie in each other")));
+            return Err(broken(format!(
+                "more than {DEEPEST} sequences lie in each other"
+            )));
         }
         let end = self.input.len;
         let mut data = Dataset::default();
@@ -253,17 +274,23 @@ impl Walk<'_, '_> {
                     }
                     if cut {
                         return Err(VolumeError::DataTooShort(Trouble::new(
-                            format!("the element {tag} promises {len} bytes, behind it the file has {}",
-                                end.saturating_sub(at)),
+                            format!(
+                                "the element {tag} promises {len} bytes, behind it the file has {}",
+                                end.saturating_sub(at)
+                            ),
                             "the file is cut off: fetch it again",
                         )));
                     }
-                    let mut decoder = decoder;
-                    let failed = |error| broken(format!("the element {tag} cannot be read: {error}"));
+                    let failed =
+                        |error| broken(format!("the element {tag} cannot be read: {error}"));
                     if WANTED.contains(&tag) && len <= LONGEST_VALUE {
                         let mut bytes = Vec::new();
                         decoder.read_to_vec(len, &mut bytes).map_err(failed)?;
-                        let value = Value::Bytes { vr: header.vr, bytes, big_endian: self.big_endian };
+                        let value = Value::Bytes {
+                            vr: header.vr,
+                            bytes,
+                            big_endian: self.big_endian,
+                        };
                         data.elements.insert(tag, value);
                     } else {
                         decoder.skip_bytes(len).map_err(failed)?;
@@ -291,7 +318,9 @@ impl Walk<'_, '_> {
             match self.reader.advance() {
                 Some(Ok(LazyDataToken::ItemStart { .. })) => items.push(self.dataset(depth + 1)?),
                 Some(Ok(LazyDataToken::SequenceEnd)) => return Ok(items),
-                Some(Ok(other)) => return Err(broken(format!("an unexpected {other:?} in a sequence"))),
+                Some(Ok(other)) => {
+                    return Err(broken(format!("an unexpected {other:?} in a sequence")));
+                }
                 Some(Err(error)) => {
                     return Err(broken(format!("a sequence cannot be read: {error}")));
                 }
@@ -323,11 +352,17 @@ fn fragments(input: &Input<'_>, mut at: u64) -> Result<Pixels, VolumeError> {
         match head[..4] {
             [0xfe, 0xff, 0x00, 0xe0] => {}
             [0xfe, 0xff, 0xdd, 0xe0] => break,
-            _ => return Err(broken(format!("there is no fragment of pixels at byte {at}"))),
+            _ => {
+                return Err(broken(format!(
+                    "there is no fragment of pixels at byte {at}"
+                )));
+            }
         }
         if at + 8 + len > input.len || items.len() >= MOST_FRAGMENTS {
             return Err(VolumeError::DataTooShort(Trouble::new(
-                format!("a fragment of compressed pixels has {len} bytes, the file ends before that"),
+                format!(
+                    "a fragment of compressed pixels has {len} bytes, the file ends before that"
+                ),
                 "the file is cut off: fetch it again",
             )));
         }
@@ -366,16 +401,22 @@ impl Dataset {
     /// The element for people: as text, or its first number.
     pub fn text_or_number(&self, tag: Tag) -> Option<String> {
         match self.elements.get(&tag)? {
-            Value::Bytes { vr: VR::US | VR::SS | VR::UL | VR::SL | VR::FL | VR::FD, .. } => {
-                self.number(tag).map(|value| value.to_string())
-            }
+            Value::Bytes {
+                vr: VR::US | VR::SS | VR::UL | VR::SL | VR::FL | VR::FD,
+                ..
+            } => self.number(tag).map(|value| value.to_string()),
             _ => self.text(tag),
         }
     }
 
     /// All numbers of an element, written as text or in binary.
     pub fn numbers(&self, tag: Tag) -> Vec<f64> {
-        let Some(Value::Bytes { vr, bytes, big_endian }) = self.elements.get(&tag) else {
+        let Some(Value::Bytes {
+            vr,
+            bytes,
+            big_endian,
+        }) = self.elements.get(&tag)
+        else {
             return Vec::new();
         };
         macro_rules! binary {
@@ -434,7 +475,10 @@ impl Dataset {
     /// So many finite numbers, and no other.
     pub fn array<const N: usize>(&self, tag: Tag) -> Option<[f64; N]> {
         let numbers: [f64; N] = self.numbers(tag).try_into().ok()?;
-        numbers.iter().all(|value| value.is_finite()).then_some(numbers)
+        numbers
+            .iter()
+            .all(|value| value.is_finite())
+            .then_some(numbers)
     }
 
     /// The items of a sequence.
@@ -447,7 +491,8 @@ impl Dataset {
 
     /// Lets go of what is said of each frame.
     pub fn forget_frames(&mut self) {
-        self.elements.remove(&tags::PER_FRAME_FUNCTIONAL_GROUPS_SEQUENCE);
+        self.elements
+            .remove(&tags::PER_FRAME_FUNCTIONAL_GROUPS_SEQUENCE);
         self.elements.remove(&tags::GRID_FRAME_OFFSET_VECTOR);
     }
 

@@ -68,7 +68,11 @@ fn bad(cause: String) -> VolumeError {
 impl Image {
     /// The image of a file; `None` for one without pixels (a directory of files, a report).
     pub fn of(input: &Input<'_>) -> Result<Option<Self>, VolumeError> {
-        let File { syntax, data, pixels } = File::read(input)?;
+        let File {
+            syntax,
+            data,
+            pixels,
+        } = File::read(input)?;
         let Some((kind, pixels)) = pixels else {
             return Ok(None);
         };
@@ -88,15 +92,19 @@ impl Image {
             return Err(bad(format!("there are {samples} samples per pixel")));
         }
         let bits = match kind {
-            Samples::Integers => data.count(tags::BITS_ALLOCATED).ok_or_else(|| missing("bits"))?,
+            Samples::Integers => data
+                .count(tags::BITS_ALLOCATED)
+                .ok_or_else(|| missing("bits"))?,
             Samples::Floats => 32,
             Samples::Doubles => 64,
         };
         let stored = data.count(tags::BITS_STORED).unwrap_or(bits);
         let high_bit = data.count(tags::HIGH_BIT).unwrap_or(stored.max(1) - 1);
         let fits = kind != Samples::Integers
-            || [1, 8, 16, 32].contains(&bits) && (1..=bits).contains(&stored)
-                && high_bit < bits && high_bit + 1 >= stored;
+            || [1, 8, 16, 32].contains(&bits)
+                && (1..=bits).contains(&stored)
+                && high_bit < bits
+                && high_bit + 1 >= stored;
         if !fits {
             return Err(VolumeError::UnknownType(Trouble::new(
                 format!("pixels of {bits} bits with {stored} stored, the highest is {high_bit}"),
@@ -148,7 +156,10 @@ impl Image {
 
     /// Bits of one frame.
     pub fn frame_bits(&self) -> u64 {
-        u64::from(self.rows) * u64::from(self.columns) * u64::from(self.samples) * u64::from(self.allocated)
+        u64::from(self.rows)
+            * u64::from(self.columns)
+            * u64::from(self.samples)
+            * u64::from(self.allocated)
     }
 
     /// Refuses a file that is too short for its frames before anything is made of their number.
@@ -160,8 +171,10 @@ impl Image {
                 let have = input.len.saturating_sub(*offset).min(*len);
                 if have < needed {
                     return Err(VolumeError::DataTooShort(Trouble::new(
-                        format!("holds {have} bytes of pixels; {count} frames of {}×{} need {needed}",
-                            self.columns, self.rows),
+                        format!(
+                            "holds {have} bytes of pixels; {count} frames of {}×{} need {needed}",
+                            self.columns, self.rows
+                        ),
                         "the file is cut off: fetch it again",
                     )));
                 }
@@ -244,7 +257,8 @@ impl Frame {
     fn of(data: &Dataset, shared: Option<&Dataset>, own: Option<&Dataset>) -> Self {
         // The data set that holds an attribute of a functional group.
         let group = |sequence: Tag| {
-            let of = |groups: Option<&Dataset>| groups.and_then(|groups| groups.item(sequence).cloned());
+            let of =
+                |groups: Option<&Dataset>| groups.and_then(|groups| groups.item(sequence).cloned());
             of(own).or_else(|| of(shared))
         };
         let position = group(tags::PLANE_POSITION_SEQUENCE);
@@ -254,7 +268,8 @@ impl Frame {
         let content = group(tags::FRAME_CONTENT_SEQUENCE);
         let segment = group(tags::SEGMENT_IDENTIFICATION_SEQUENCE);
         let [position, orientation, measures, values] =
-            [&position, &orientation, &measures, &values].map(|group| group.as_ref().unwrap_or(data));
+            [&position, &orientation, &measures, &values]
+                .map(|group| group.as_ref().unwrap_or(data));
         let spacing = [
             tags::PIXEL_SPACING,
             tags::IMAGER_PIXEL_SPACING,
@@ -263,15 +278,24 @@ impl Frame {
         let spacing = spacing.iter().find_map(|tag| measures.array::<2>(*tag));
         let thickness = [tags::SPACING_BETWEEN_SLICES, tags::SLICE_THICKNESS];
         let thickness = thickness.iter().find_map(|tag| {
-            measures.number(*tag).map(f64::abs).filter(|value| *value > 0.0)
+            measures
+                .number(*tag)
+                .map(f64::abs)
+                .filter(|value| *value > 0.0)
         });
-        let slope = values.number(tags::RESCALE_SLOPE).or(data.number(tags::DOSE_GRID_SCALING));
+        let slope = values
+            .number(tags::RESCALE_SLOPE)
+            .or(data.number(tags::DOSE_GRID_SCALING));
         let intercept = values.number(tags::RESCALE_INTERCEPT);
         let rescaled = slope.is_some() || intercept.is_some();
-        let time = content.as_ref().and_then(|content| content.count(tags::TEMPORAL_POSITION_INDEX));
+        let time = content
+            .as_ref()
+            .and_then(|content| content.count(tags::TEMPORAL_POSITION_INDEX));
         Self {
             position: position.array(tags::IMAGE_POSITION_PATIENT).map(vector),
-            orientation: orientation.array(tags::IMAGE_ORIENTATION_PATIENT).and_then(directions),
+            orientation: orientation
+                .array(tags::IMAGE_ORIENTATION_PATIENT)
+                .and_then(directions),
             spacing: spacing.filter(|spacing| spacing.iter().all(|step| *step > 0.0)),
             thickness,
             rescale: rescaled.then(|| [slope.unwrap_or(1.0), intercept.unwrap_or(0.0)]),

@@ -54,7 +54,11 @@ pub(super) fn place(
             slices: frames.len(),
             steps: 1,
             world_from_index: DAffine3 {
-                matrix3: DMat3::from_cols(x * column_step, y * row_step, x.cross(y).normalize() * z),
+                matrix3: DMat3::from_cols(
+                    x * column_step,
+                    y * row_step,
+                    x.cross(y).normalize() * z,
+                ),
                 translation: first.position.unwrap_or(DVec3::ZERO),
             },
             in_mm,
@@ -77,7 +81,9 @@ pub(super) fn place(
     }
     let steps = time_steps(frames, &mut places, &name)?;
     let slices = places.len();
-    let order = (0..steps).flat_map(|step| places.iter().map(move |place| place[step])).collect();
+    let order = (0..steps)
+        .flat_map(|step| places.iter().map(move |place| place[step]))
+        .collect();
     let (start, end) = (position(places[0][0]), position(places[slices - 1][0]));
     let z = if slices > 1 {
         (end - start) / (slices as f64 - 1.0)
@@ -121,7 +127,10 @@ fn time_steps(
     if steps > 1 && distinct && regular || places.iter().all(|place| place.len() == 1) {
         return Ok(steps);
     }
-    let twice = places.iter().find(|place| place.len() > 1).unwrap_or(&places[0]);
+    let twice = places
+        .iter()
+        .find(|place| place.len() > 1)
+        .unwrap_or(&places[0]);
     let twice_count = places.iter().filter(|place| place.len() > 1).count();
     let other = twice.get(1).copied().unwrap_or(twice[0]);
     Err(VolumeError::Unsupported(Trouble::new(
@@ -144,7 +153,10 @@ fn told(
     warnings: &mut Vec<String>,
 ) {
     let mean = step.dot(normal);
-    let gaps: Vec<f64> = placed.windows(2).map(|pair| (pair[1] - pair[0]).dot(normal)).collect();
+    let gaps: Vec<f64> = placed
+        .windows(2)
+        .map(|pair| (pair[1] - pair[0]).dot(normal))
+        .collect();
     let mut sorted = gaps.clone();
     sorted.sort_by(f64::total_cmp);
     let median = sorted[sorted.len() / 2];

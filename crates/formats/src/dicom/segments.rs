@@ -59,23 +59,33 @@ fn open_one<'a>(image: Image, input: Input<'a>) -> Result<Opened<'a>, VolumeErro
     let normal = x.cross(y).normalize();
     let mut heights = Vec::new();
     for index in 0..image.frames.len() {
-        let (position, ..) = place(index).ok_or_else(|| refuse("a segmentation without positions"))?;
+        let (position, ..) =
+            place(index).ok_or_else(|| refuse("a segmentation without positions"))?;
         heights.push((position.dot(normal), index));
     }
     heights.sort_by(|a, b| a.0.total_cmp(&b.0));
     let same = 1e-3 * row_step.min(column_step);
-    let gaps = heights.windows(2).map(|pair| pair[1].0 - pair[0].0).filter(|gap| *gap > same);
+    let gaps = heights
+        .windows(2)
+        .map(|pair| pair[1].0 - pair[0].0)
+        .filter(|gap| *gap > same);
     let smallest = gaps.fold(f64::INFINITY, f64::min);
     let thickness = image.frames[0].thickness.unwrap_or(row_step);
-    let step = if smallest.is_finite() { smallest.min(thickness.max(same)) } else { thickness };
+    let step = if smallest.is_finite() {
+        smallest.min(thickness.max(same))
+    } else {
+        thickness
+    };
     let low = heights[0].0;
     let slice_of = |height: f64| ((height - low) / step).round();
     let slices = slice_of(heights[heights.len() - 1].0) + 1.0;
-    let uneven = heights.iter().any(|(height, _)| {
-        ((height - low) / step - slice_of(*height)).abs() > 0.05
-    });
+    let uneven = heights
+        .iter()
+        .any(|(height, _)| ((height - low) / step - slice_of(*height)).abs() > 0.05);
     if uneven || slices.is_nan() || slices > MOST_EMPTY + 4.0 * image.frames.len() as f64 {
-        return Err(refuse("the slices of the segmentation are not evenly spaced"));
+        return Err(refuse(
+            "the slices of the segmentation are not evenly spaced",
+        ));
     }
     #[expect(
         clippy::cast_possible_truncation,
@@ -108,7 +118,11 @@ fn open_one<'a>(image: Image, input: Input<'a>) -> Result<Opened<'a>, VolumeErro
         },
         node_centred: false,
     };
-    let scalar_type = if binary { ScalarType::U16 } else { image.scalar_type() };
+    let scalar_type = if binary {
+        ScalarType::U16
+    } else {
+        image.scalar_type()
+    };
     let mut contents = Contents::new("DICOM SEG", stem(&input.path), axes, scalar_type, grid);
     contents.about.length_unit = Some("mm".into());
     contents.about.values = Values::Labels(names(&image));
@@ -122,16 +136,27 @@ fn open_one<'a>(image: Image, input: Input<'a>) -> Result<Opened<'a>, VolumeErro
         values: pixels,
         scalar_type,
         what,
-        frames: Segments { input, image, members, binary },
+        frames: Segments {
+            input,
+            image,
+            members,
+            binary,
+        },
     };
-    Ok(Opened { contents, data: Box::new(data) })
+    Ok(Opened {
+        contents,
+        data: Box::new(data),
+    })
 }
 
 /// The segments' names by their numbers.
 fn names(image: &Image) -> BTreeMap<i64, String> {
     let segments = image.data.items(tags::SEGMENT_SEQUENCE).iter();
     let named = segments.filter_map(|segment| {
-        Some((segment.count(tags::SEGMENT_NUMBER)?.into(), segment.text(tags::SEGMENT_LABEL)?))
+        Some((
+            segment.count(tags::SEGMENT_NUMBER)?.into(),
+            segment.text(tags::SEGMENT_LABEL)?,
+        ))
     });
     named.collect()
 }

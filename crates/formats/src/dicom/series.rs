@@ -26,13 +26,17 @@ pub(super) fn pick(images: &[Image], part: Option<&str>) -> Result<Group, Volume
             };
             match groups.iter_mut().find(fits) {
                 Some(group) => group.members.push((i, f)),
-                None => groups.push(Group { members: vec![(i, f)] }),
+                None => groups.push(Group {
+                    members: vec![(i, f)],
+                }),
             }
         }
     }
     for group in &mut groups {
         // Stable: files without numbers keep the order of their names.
-        group.members.sort_by(|a, b| images[a.0].number.total_cmp(&images[b.0].number));
+        group
+            .members
+            .sort_by(|a, b| images[a.0].number.total_cmp(&images[b.0].number));
     }
     let labels: Vec<String> = groups.iter().map(|group| label(images, group)).collect();
     let fits: Vec<usize> = match part {
@@ -50,7 +54,11 @@ pub(super) fn pick(images: &[Image], part: Option<&str>) -> Result<Group, Volume
     if let [one] = fits.as_slice() {
         return Ok(groups.swap_remove(*one));
     }
-    let mut listed: Vec<&str> = labels.iter().take(MOST_LISTED).map(String::as_str).collect();
+    let mut listed: Vec<&str> = labels
+        .iter()
+        .take(MOST_LISTED)
+        .map(String::as_str)
+        .collect();
     if labels.len() > MOST_LISTED {
         listed.push("and more");
     }
@@ -79,7 +87,13 @@ fn alike(a: &Image, frame: &Frame, b: &Image, other: &Frame) -> bool {
     };
     let pixels = |image: &Image| {
         let color = image.samples;
-        (image.rows, image.columns, color, image.scalar_type(), image.photometric == "MONOCHROME1")
+        (
+            image.rows,
+            image.columns,
+            color,
+            image.scalar_type(),
+            image.photometric == "MONOCHROME1",
+        )
     };
     a.series == b.series
         && pixels(a) == pixels(b)
@@ -92,11 +106,21 @@ fn alike(a: &Image, frame: &Frame, b: &Image, other: &Frame) -> bool {
 fn label(images: &[Image], group: &Group) -> String {
     let (first, frame) = group.members[0];
     let image = &images[first];
-    let number = image.data.count(tags::SERIES_NUMBER).map(|number| number.to_string());
+    let number = image
+        .data
+        .count(tags::SERIES_NUMBER)
+        .map(|number| number.to_string());
     let description = image.data.text(tags::SERIES_DESCRIPTION);
     let title: Vec<String> = [number, description].into_iter().flatten().collect();
-    let title = if title.is_empty() { "unnamed".to_owned() } else { title.join(" ") };
-    let modality = image.data.text(tags::MODALITY).unwrap_or_else(|| "unknown modality".into());
+    let title = if title.is_empty() {
+        "unnamed".to_owned()
+    } else {
+        title.join(" ")
+    };
+    let modality = image
+        .data
+        .text(tags::MODALITY)
+        .unwrap_or_else(|| "unknown modality".into());
     let plane = image.frames[frame].orientation.map_or("", |[x, y]| {
         let normal = x.cross(y).normalize_or_zero().abs();
         match normal.max_element() {
@@ -108,5 +132,8 @@ fn label(images: &[Image], group: &Group) -> String {
     });
     let count = group.members.len();
     let slices = if count == 1 { "slice" } else { "slices" };
-    format!("{title}, {modality}, {plane}{}×{}, {count} {slices}", image.columns, image.rows)
+    format!(
+        "{title}, {modality}, {plane}{}×{}, {count} {slices}",
+        image.columns, image.rows
+    )
 }

@@ -49,7 +49,10 @@ impl Layout {
     pub fn steps_in_files(&mut self, files: usize, pages: usize) -> Result<(), VolumeError> {
         if self.steps > 1 {
             return Err(VolumeError::Unsupported(Trouble::new(
-                format!("each of {files} files has {} time steps of its own", self.steps),
+                format!(
+                    "each of {files} files has {} time steps of its own",
+                    self.steps
+                ),
                 "give one of the files",
             )));
         }
@@ -103,10 +106,15 @@ fn unit(text: &str) -> String {
 fn imagej(pages: &mut Pages<'_>, text: &str) -> Result<Layout, VolumeError> {
     let value = |key: &str| {
         let mut lines = text.lines().filter_map(|line| line.split_once('='));
-        lines.find(|(found, _)| found.trim() == key).map(|(_, value)| value.trim())
+        lines
+            .find(|(found, _)| found.trim() == key)
+            .map(|(_, value)| value.trim())
     };
     let count = |key: &str| -> usize {
-        value(key).and_then(|value| value.parse().ok()).unwrap_or(1).max(1)
+        value(key)
+            .and_then(|value| value.parse().ok())
+            .unwrap_or(1)
+            .max(1)
     };
     let number = |key: &str| -> Option<f64> {
         let value = value(key)?.parse::<f64>().ok()?;
@@ -115,14 +123,19 @@ fn imagej(pages: &mut Pages<'_>, text: &str) -> Result<Layout, VolumeError> {
     let images = count("images");
     if images > pages.count() && !pages.lie_behind_the_first(images)? {
         return Err(VolumeError::DataTooShort(Trouble::new(
-            format!("ImageJ's description says {images} images, the file has {}", pages.count()),
+            format!(
+                "ImageJ's description says {images} images, the file has {}",
+                pages.count()
+            ),
             "the file is cut off: fetch it again, or save it anew",
         )));
     }
     let mut layout = plain(pages);
     layout.format = format!("TIFF of ImageJ {}", value("ImageJ").unwrap_or_default());
     let (channels, slices, steps) = (count("channels"), count("slices"), count("frames"));
-    let product = channels.checked_mul(slices).and_then(|product| product.checked_mul(steps));
+    let product = channels
+        .checked_mul(slices)
+        .and_then(|product| product.checked_mul(steps));
     if product == Some(pages.count()) {
         (layout.channels, layout.slices, layout.steps) = (channels, slices, steps);
     } else if pages.count() > 1 {
@@ -135,20 +148,27 @@ fn imagej(pages: &mut Pages<'_>, text: &str) -> Result<Layout, VolumeError> {
     let named = value("unit").filter(|unit| !unit.is_empty() && *unit != "pixel");
     if let Some(named) = named {
         layout.length_unit = Some(unit(named));
-        let [x, y] = pages.resolution.map(|pixels| pixels.map_or(1.0, |pixels| 1.0 / pixels));
+        let [x, y] = pages
+            .resolution
+            .map(|pixels| pixels.map_or(1.0, |pixels| 1.0 / pixels));
         layout.spacing = DVec3::new(x, y, x);
     }
     if let Some(spacing) = number("spacing") {
         layout.spacing.z = spacing;
     } else if layout.slices > 1 && named.is_some() {
         layout.warnings.push(
-            "no spacing of the slices is said: they are taken to be as far apart as the columns".into(),
+            "no spacing of the slices is said: they are taken to be as far apart as the columns"
+                .into(),
         );
     }
     layout.interval = number("finterval").or_else(|| number("fps").map(|fps| 1.0 / fps));
-    layout.time_unit = layout.interval.map(|_| value("tunit").map_or("s".to_owned(), unit));
+    layout.time_unit = layout
+        .interval
+        .map(|_| value("tunit").map_or("s".to_owned(), unit));
     if let Some(title) = value("Info").or_else(|| value("Title")) {
-        layout.facts.push(("title".into(), title.chars().take(200).collect()));
+        layout
+            .facts
+            .push(("title".into(), title.chars().take(200).collect()));
     }
     Ok(layout)
 }

@@ -136,7 +136,11 @@ impl<'a> Pages<'a> {
             )));
         };
         if others > 0 {
-            let (pages, are) = if others == 1 { ("page", "is") } else { ("pages", "are") };
+            let (pages, are) = if others == 1 {
+                ("page", "is")
+            } else {
+                ("pages", "are")
+            };
             let shape = first.look.shape.describe();
             file.warnings.push(format!(
                 "{others} {pages} of another size or type than {shape} (thumbnails?) {are} passed over"
@@ -147,7 +151,10 @@ impl<'a> Pages<'a> {
 
     /// The page of a directory; `None` for a smaller copy of another page.
     fn page(&self, entries: &Entries, chunks: &mut u64) -> Result<Option<Page>, VolumeError> {
-        if entries.value(Tag::NewSubfileType).is_some_and(|kind| kind & 1 != 0) {
+        if entries
+            .value(Tag::NewSubfileType)
+            .is_some_and(|kind| kind & 1 != 0)
+        {
             return Ok(None);
         }
         let photometric = entries.value(Tag::PhotometricInterpretation);
@@ -155,7 +162,12 @@ impl<'a> Pages<'a> {
         let mut page = Page {
             directory: entries.at,
             look: Look {
-                shape: Shape { width: 0, height: 0, channels: 1, scalar_type: ScalarType::U8 },
+                shape: Shape {
+                    width: 0,
+                    height: 0,
+                    channels: 1,
+                    scalar_type: ScalarType::U8,
+                },
                 bits: 8,
                 color: ColorType::Gray(8),
                 format: SampleFormat::Uint,
@@ -173,7 +185,10 @@ impl<'a> Pages<'a> {
         *chunks += u64::from(count.map_err(|error| broken(&error))?);
         if *chunks > self.input.len {
             return Err(VolumeError::DataCorrupt(Trouble::new(
-                format!("the pages have more strips than the file has bytes ({})", self.input.len),
+                format!(
+                    "the pages have more strips than the file has bytes ({})",
+                    self.input.len
+                ),
                 "fetch the file again, or save it anew",
             )));
         }
@@ -200,7 +215,11 @@ impl<'a> Pages<'a> {
                 Some(String::from_utf8_lossy(&bytes).into_owned())
             }
         });
-        for (resolution, tag) in self.resolution.iter_mut().zip([Tag::XResolution, Tag::YResolution]) {
+        for (resolution, tag) in self
+            .resolution
+            .iter_mut()
+            .zip([Tag::XResolution, Tag::YResolution])
+        {
             let value = decoder.find_tag(tag).ok().flatten();
             *resolution = value
                 .and_then(|value| match value {
@@ -218,7 +237,11 @@ impl<'a> Pages<'a> {
         let (big_endian, big_tiff) = head_of(&self.input)?;
         let in_order = |value: u64, size: usize| {
             let bytes = value.to_be_bytes()[8 - size..].to_vec();
-            if big_endian { bytes } else { bytes.into_iter().rev().collect() }
+            if big_endian {
+                bytes
+            } else {
+                bytes.into_iter().rev().collect()
+            }
         };
         let mut patches = vec![if big_tiff {
             (8, in_order(page.directory, 8))
@@ -246,7 +269,10 @@ impl<'a> Pages<'a> {
     /// Whether the values of a pixel are gray and alpha, red, green, blue and alpha.
     pub fn is_color(&self) -> bool {
         use ColorType::{GrayA, RGB, RGBA, YCbCr};
-        matches!(self.pages[0].look.color, RGB(_) | RGBA(_) | YCbCr(_) | GrayA(_))
+        matches!(
+            self.pages[0].look.color,
+            RGB(_) | RGBA(_) | YCbCr(_) | GrayA(_)
+        )
     }
 
     pub fn count(&self) -> usize {
@@ -280,15 +306,21 @@ impl<'a> Pages<'a> {
     pub fn decode(&self, index: usize) -> Result<Voxels, VolumeError> {
         if let Some((at, _)) = self.raw {
             let shape = self.shape();
-            let bytes = self.input.bytes_at(at + index as u64 * shape.bytes(), shape.bytes())?;
+            let bytes = self
+                .input
+                .bytes_at(at + index as u64 * shape.bytes(), shape.bytes())?;
             return Ok(values_of(&bytes, shape.scalar_type, self.big_endian));
         }
         let page = &self.pages[index];
         let mut decoder = self.decoder(page)?;
         let look = look(&mut decoder)?;
-        let layout = decoder.image_buffer_layout().map_err(|error| broken(&error))?;
+        let layout = decoder
+            .image_buffer_layout()
+            .map_err(|error| broken(&error))?;
         let mut bytes = vec![0; layout.complete_len];
-        decoder.read_image_bytes(&mut bytes).map_err(|error| broken(&error))?;
+        decoder
+            .read_image_bytes(&mut bytes)
+            .map_err(|error| broken(&error))?;
         Ok(look.values(&bytes, layout.planes))
     }
 }
@@ -300,8 +332,13 @@ fn look(decoder: &mut Decoder<Source<'_>>) -> Result<Look, VolumeError> {
     let color = decoder.colortype().map_err(failed)?;
     let bits = color.bit_depth();
     let channels = u64::from(color.num_samples());
-    let formats = decoder.find_tag_unsigned_vec::<u16>(Tag::SampleFormat).ok().flatten();
-    let format = formats.and_then(|formats| formats.first().copied()).unwrap_or(1);
+    let formats = decoder
+        .find_tag_unsigned_vec::<u16>(Tag::SampleFormat)
+        .ok()
+        .flatten();
+    let format = formats
+        .and_then(|formats| formats.first().copied())
+        .unwrap_or(1);
     let format = SampleFormat::from_u16_exhaustive(format);
     let unsupported = |cause: String| {
         Err(VolumeError::Unsupported(Trouble::new(
@@ -309,7 +346,10 @@ fn look(decoder: &mut Decoder<Source<'_>>) -> Result<Look, VolumeError> {
             "save the file as gray or RGB of 8, 16, 32 or 64 bits",
         )))
     };
-    if matches!(color, ColorType::CMYK(_) | ColorType::CMYKA(_) | ColorType::Lab(_)) {
+    if matches!(
+        color,
+        ColorType::CMYK(_) | ColorType::CMYKA(_) | ColorType::Lab(_)
+    ) {
         return unsupported(format!("pixels are {color:?}"));
     }
     use ScalarType::{F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
@@ -327,8 +367,16 @@ fn look(decoder: &mut Decoder<Source<'_>>) -> Result<Look, VolumeError> {
         (SampleFormat::IEEEFP, 64) => F64,
         _ => return unsupported(format!("samples of {bits} bits in the format {format:?}")),
     };
-    let shape = Shape { width, height, channels, scalar_type };
-    let compression = decoder.find_tag_unsigned::<u16>(Tag::Compression).ok().flatten();
+    let shape = Shape {
+        width,
+        height,
+        channels,
+        scalar_type,
+    };
+    let compression = decoder
+        .find_tag_unsigned::<u16>(Tag::Compression)
+        .ok()
+        .flatten();
     let codec = match CompressionMethod::from_u16_exhaustive(compression.unwrap_or(1)) {
         CompressionMethod::None => Codec::Stored,
         CompressionMethod::LZW => Codec::Lzw,
@@ -344,10 +392,18 @@ fn look(decoder: &mut Decoder<Source<'_>>) -> Result<Look, VolumeError> {
     let counts = decoder.find_tag_unsigned_vec::<u64>(tag).map_err(failed)?;
     let len = decoder.inner().reader.seek(std::io::SeekFrom::End(0));
     let len = len.map_err(|error| broken(&error.into()))?;
-    let encoded = counts.unwrap_or_default().iter().fold(0_u64, |sum, &count| sum.saturating_add(count));
+    let encoded = counts
+        .unwrap_or_default()
+        .iter()
+        .fold(0_u64, |sum, &count| sum.saturating_add(count));
     let layout = decoder.image_buffer_layout().map_err(failed)?;
     plausible(codec, encoded.min(len), layout.complete_len as u64)?;
-    Ok(Look { shape, bits, color, format })
+    Ok(Look {
+        shape,
+        bits,
+        color,
+        format,
+    })
 }
 
 impl Look {
@@ -386,7 +442,11 @@ impl Look {
 pub(crate) fn rgb_of_ycbcr(pixel: &mut [u8; 3]) {
     let [y, cb, cr] = pixel.map(f64::from);
     let (cb, cr) = (cb - 128.0, cr - 128.0);
-    let rgb = [y + 1.402 * cr, y - 0.344_136 * cb - 0.714_136 * cr, y + 1.772 * cb];
+    let rgb = [
+        y + 1.402 * cr,
+        y - 0.344_136 * cb - 0.714_136 * cr,
+        y + 1.772 * cb,
+    ];
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -417,7 +477,8 @@ fn unpack(bytes: &[u8], width: usize, bits: u8) -> Vec<u8> {
         row[x / in_byte] >> shift & ((1_u16 << bits) - 1) as u8
     };
     let rows = bytes.chunks_exact(row);
-    rows.flat_map(|row| (0..width).map(move |x| value(row, x))).collect()
+    rows.flat_map(|row| (0..width).map(move |x| value(row, x)))
+        .collect()
 }
 
 /// A directory as it lies in the file: only what the decoder does not tell.
@@ -431,24 +492,39 @@ struct Entries {
 }
 
 impl Entries {
-    fn read(input: &Input<'_>, at: u64, big_endian: bool, big_tiff: bool) -> Result<Self, VolumeError> {
+    fn read(
+        input: &Input<'_>,
+        at: u64,
+        big_endian: bool,
+        big_tiff: bool,
+    ) -> Result<Self, VolumeError> {
         let (count_size, entry_size, next_size) = if big_tiff { (8, 20, 8) } else { (2, 12, 4) };
         let count = number(&input.bytes_at(at, count_size)?, big_endian);
         let first = at.saturating_add(count_size);
         let size = count.saturating_mul(entry_size);
         let bytes = input.bytes_at(first, size.saturating_add(next_size))?;
         let (entries, next) = bytes.split_at(size as usize);
-        let wanted = [Tag::NewSubfileType, Tag::PhotometricInterpretation, Tag::ResolutionUnit];
+        let wanted = [
+            Tag::NewSubfileType,
+            Tag::PhotometricInterpretation,
+            Tag::ResolutionUnit,
+        ];
         let wanted = wanted.map(|tag| u64::from(tag.to_u16()));
-        let found = (0_u64..).zip(entries.chunks_exact(entry_size as usize)).filter_map(|(i, entry)| {
-            let tag = number(&entry[..2], big_endian);
-            let value_at = if big_tiff { 12 } else { 8 };
-            // Type 3 has two bytes, type 4 four.
-            let size = if number(&entry[2..4], big_endian) == 3 { 2 } else { 4 };
-            let value = number(&entry[value_at..value_at + size], big_endian);
-            let offset = first + i * entry_size + value_at as u64;
-            wanted.contains(&tag).then_some((tag, offset, value))
-        });
+        let found = (0_u64..)
+            .zip(entries.chunks_exact(entry_size as usize))
+            .filter_map(|(i, entry)| {
+                let tag = number(&entry[..2], big_endian);
+                let value_at = if big_tiff { 12 } else { 8 };
+                // Type 3 has two bytes, type 4 four.
+                let size = if number(&entry[2..4], big_endian) == 3 {
+                    2
+                } else {
+                    4
+                };
+                let value = number(&entry[value_at..value_at + size], big_endian);
+                let offset = first + i * entry_size + value_at as u64;
+                wanted.contains(&tag).then_some((tag, offset, value))
+            });
         Ok(Self {
             at,
             size,

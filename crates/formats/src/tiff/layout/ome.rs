@@ -14,8 +14,12 @@ fn bad(cause: String) -> VolumeError {
 }
 
 /// An element's child of a name, in any namespace.
-fn children<'d, 'x: 'd>(node: Node<'d, 'x>, name: &'static str) -> impl Iterator<Item = Node<'d, 'x>> {
-    node.children().filter(move |child| child.tag_name().name() == name)
+fn children<'d, 'x: 'd>(
+    node: Node<'d, 'x>,
+    name: &'static str,
+) -> impl Iterator<Item = Node<'d, 'x>> {
+    node.children()
+        .filter(move |child| child.tag_name().name() == name)
 }
 
 pub(super) fn layout(
@@ -41,8 +45,13 @@ pub(super) fn layout(
         Some(value).filter(|value| value.is_finite() && *value > 0.0)
     };
     let mut layout = super::plain(pages);
-    let version = root.tag_name().namespace().and_then(|uri| uri.rsplit('/').next());
-    layout.format = format!("OME-TIFF {}", version.unwrap_or_default()).trim_end().to_owned();
+    let version = root
+        .tag_name()
+        .namespace()
+        .and_then(|uri| uri.rsplit('/').next());
+    layout.format = format!("OME-TIFF {}", version.unwrap_or_default())
+        .trim_end()
+        .to_owned();
     (layout.channels, layout.slices, layout.steps) = (sizes.channels, sizes.slices, sizes.steps);
     layout.order = order;
     if let Some(x) = length("PhysicalSizeX") {
@@ -70,7 +79,9 @@ pub(super) fn layout(
     let time_unit = pixels.attribute("TimeIncrementUnit").unwrap_or("s");
     layout.time_unit = layout.interval.map(|_| time_unit.to_owned());
     if let Some(name) = image.attribute("Name") {
-        layout.facts.push(("image".into(), name.chars().take(200).collect()));
+        layout
+            .facts
+            .push(("image".into(), name.chars().take(200).collect()));
     }
     let channels = children(pixels, "Channel").filter_map(|channel| channel.attribute("Name"));
     let channels: Vec<&str> = channels.take(64).collect();
@@ -95,8 +106,16 @@ fn pick<'d, 'x>(
                 [image.attribute("ID"), image.attribute("Name")].contains(&Some(part.as_str()))
             };
             let exact: Vec<_> = images.iter().filter(exact).copied().collect();
-            let partly = || images.iter().filter(|image| label(image).contains(part.as_str()));
-            if exact.is_empty() { partly().copied().collect() } else { exact }
+            let partly = || {
+                images
+                    .iter()
+                    .filter(|image| label(image).contains(part.as_str()))
+            };
+            if exact.is_empty() {
+                partly().copied().collect()
+            } else {
+                exact
+            }
         }
         None => images.to_vec(),
     };
@@ -130,9 +149,13 @@ impl Sizes {
             value.ok_or_else(|| bad(format!("the OME-XML's {name} is no size")))
         };
         let samples = children(pixels, "Channel").next();
-        let samples = samples.and_then(|channel| channel.attribute("SamplesPerPixel")?.parse().ok());
+        let samples =
+            samples.and_then(|channel| channel.attribute("SamplesPerPixel")?.parse().ok());
         let samples = samples.unwrap_or(1_usize).max(1);
-        let order = pixels.attribute("DimensionOrder").unwrap_or("XYZCT").as_bytes();
+        let order = pixels
+            .attribute("DimensionOrder")
+            .unwrap_or("XYZCT")
+            .as_bytes();
         let axes: Option<[u8; 3]> = order.get(2..).and_then(|axes| axes.try_into().ok());
         let axes = axes.filter(|axes| b"ZCT".iter().all(|axis| axes.contains(axis)));
         Ok(Self {
@@ -159,7 +182,10 @@ impl Sizes {
         only_image: bool,
     ) -> Result<Vec<usize>, VolumeError> {
         let count = pages.count();
-        let needed = self.channels.checked_mul(self.slices).and_then(|n| n.checked_mul(self.steps));
+        let needed = self
+            .channels
+            .checked_mul(self.slices)
+            .and_then(|n| n.checked_mul(self.steps));
         let needed = needed.filter(|&needed| needed <= count).ok_or_else(|| {
             VolumeError::DataTooShort(Trouble::new(
                 format!(
@@ -203,10 +229,17 @@ impl Sizes {
         for part in parts {
             let elsewhere = children(part, "UUID").any(|uuid| {
                 let file = uuid.attribute("FileName");
-                let own = pages.input.path.file_name().map(|name| name.to_string_lossy());
+                let own = pages
+                    .input
+                    .path
+                    .file_name()
+                    .map(|name| name.to_string_lossy());
                 file.is_some_and(|file| own.is_none_or(|own| file != own))
             });
-            let number = |name: &str| part.attribute(name).and_then(|text| text.parse::<usize>().ok());
+            let number = |name: &str| {
+                part.attribute(name)
+                    .and_then(|text| text.parse::<usize>().ok())
+            };
             let ifd = number("IFD");
             let length = number("PlaneCount").unwrap_or(if ifd.is_some() { 1 } else { needed });
             let first = self.axes.map(|axis| {
