@@ -1,7 +1,7 @@
 //! DICOM: a series of files of one slice each, or a file of many frames.
 //! Source: DICOM PS3.3 (attributes), PS3.5 (encoding).
 //!
-//! [`dataset`] reads the elements of a file up to its pixels, [`image`] what they say of the pixels and of each frame.
+//! [`dataset`] reads the [`elements`] of a file up to its pixels, [`image`] what they say of the pixels and of each frame.
 //! [`series`] picks the frames that make one volume: several series in a folder are listed, and the option `part`
 //! names one. [`place`] sorts them by their positions and makes the map to LPS, which is DICOM's own frame. [`codecs`]
 //! decodes a frame; its values are rescaled by its own slope and intercept. Segmentations become labels
@@ -11,6 +11,7 @@
 
 mod codecs;
 mod dataset;
+mod elements;
 mod image;
 mod place;
 mod segments;
@@ -52,7 +53,7 @@ pub(crate) fn open<'a>(
     }
     let group = series::pick(&images, options.part.as_deref())?;
     if segments::is_segmentation(&images[group.members[0].0]) {
-        return segments::open(files, images, group);
+        return segments::open(files, images, &group);
     }
     let name = |member: usize| name_of(&files, &images, group.members[member]);
     let frames: Vec<&Frame> = group

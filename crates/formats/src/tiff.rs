@@ -9,9 +9,10 @@
 //! x grows to the right, y downwards as the rows go, z along the slices. Where only the resolution of a page is
 //! known, slices are as far apart as its columns.
 
+mod entries;
 mod layout;
+mod look;
 mod pages;
-pub(crate) use pages::{rgb_of_ycbcr, weave};
 mod patched;
 
 use glam::DVec3;
@@ -25,6 +26,7 @@ use crate::slices::{Frames, Slices, guarded};
 use crate::stack::{Shape, same_shape};
 
 use layout::Layout;
+pub(crate) use look::{rgb_of_ycbcr, weave};
 use pages::Pages;
 
 /// Whether a file with this head is TIFF or BigTIFF.

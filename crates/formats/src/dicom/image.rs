@@ -8,7 +8,8 @@ use dicom_dictionary_std::tags;
 use glam::DVec3;
 use volgraph_volume::{ScalarType, Trouble, VolumeError};
 
-use super::dataset::{Dataset, File, Pixels, Samples};
+use super::dataset::{File, Pixels, Samples};
+use super::elements::Dataset;
 use crate::input::Input;
 
 /// Most frames of a file.

@@ -30,11 +30,11 @@ fn refuse(cause: impl Into<String>) -> VolumeError {
     VolumeError::Unsupported(Trouble::new(cause, remedy))
 }
 
-pub(super) fn open(
-    mut files: Vec<Input<'_>>,
+pub(super) fn open<'a>(
+    mut files: Vec<Input<'a>>,
     mut images: Vec<Image>,
-    group: Group,
-) -> Result<Opened<'_>, VolumeError> {
+    group: &Group,
+) -> Result<Opened<'a>, VolumeError> {
     let at = group.members[0].0;
     if group.members.iter().any(|&(image, _)| image != at) {
         return Err(refuse("several segmentations lie in this folder"));

@@ -2,12 +2,14 @@
 
 use tiff::ColorType;
 use tiff::decoder::{ChunkType, Decoder, Limits};
-use tiff::tags::{CompressionMethod, SampleFormat, Tag};
+use tiff::tags::{SampleFormat, Tag};
 use volgraph_volume::{ScalarType, Trouble, VolumeError, Voxels};
 
-use super::patched::Patched;
-use crate::input::{BufReadSeek, Input};
-use crate::slices::{Codec, plausible, values_of};
+use super::entries::{Entries, number};
+use super::look::{Look, broken, look};
+use super::patched::{Patched, Source};
+use crate::input::Input;
+use crate::slices::values_of;
 use crate::stack::Shape;
 
 /// Most pages of a file.
@@ -15,8 +17,6 @@ const MOST_PAGES: usize = 1_000_000;
 /// Photometric interpretations by their numbers.
 const WHITE_IS_ZERO: u64 = 0;
 const PALETTE: u64 = 3;
-
-type Source<'a> = Patched<Box<dyn BufReadSeek + 'a>>;
 
 /// A file whose directories were read.
 pub(super) struct Pages<'a> {
@@ -35,15 +35,6 @@ pub(super) struct Pages<'a> {
     pub warnings: Vec<String>,
 }
 
-/// What must be the same for all slices.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Look {
-    shape: Shape,
-    bits: u8,
-    color: ColorType,
-    format: SampleFormat,
-}
-
 #[derive(Clone, Debug)]
 struct Page {
     /// Where its directory lies.
@@ -53,34 +44,12 @@ struct Page {
     as_black_is_zero: Option<u64>,
 }
 
-fn broken(error: &tiff::TiffError) -> VolumeError {
-    let trouble = |remedy: &str| Trouble::new(format!("cannot be decoded: {error}"), remedy);
-    match error {
-        tiff::TiffError::UnsupportedError(_) => VolumeError::Unsupported(trouble(
-            "save the file as gray or RGB, uncompressed or with deflate",
-        )),
-        tiff::TiffError::IoError(io) if io.kind() == std::io::ErrorKind::UnexpectedEof => {
-            VolumeError::DataTooShort(trouble("the file is cut off: fetch it again"))
-        }
-        _ => VolumeError::DataCorrupt(trouble("fetch the file again, or save it anew")),
-    }
-}
-
 /// Byte order and the bytes of an offset.
 fn head_of(input: &Input<'_>) -> Result<(bool, bool), VolumeError> {
     let head = input.head(4)?;
     let big_endian = head.starts_with(b"MM");
     let big_tiff = head.contains(&43);
     Ok((big_endian, big_tiff))
-}
-
-fn number(bytes: &[u8], big_endian: bool) -> u64 {
-    let fold = |value: u64, byte: &u8| value << 8 | u64::from(*byte);
-    if big_endian {
-        bytes.iter().fold(0, fold)
-    } else {
-        bytes.iter().rev().fold(0, fold)
-    }
 }
 
 impl<'a> Pages<'a> {
@@ -322,228 +291,5 @@ impl<'a> Pages<'a> {
             .read_image_bytes(&mut bytes)
             .map_err(|error| broken(&error))?;
         Ok(look.values(&bytes, layout.planes))
-    }
-}
-
-/// Size and type of the decoder's page, held against the bytes that it is made of.
-fn look(decoder: &mut Decoder<Source<'_>>) -> Result<Look, VolumeError> {
-    let failed = |error: tiff::TiffError| broken(&error);
-    let (width, height) = decoder.dimensions().map_err(failed)?;
-    let color = decoder.colortype().map_err(failed)?;
-    let bits = color.bit_depth();
-    let channels = u64::from(color.num_samples());
-    let formats = decoder
-        .find_tag_unsigned_vec::<u16>(Tag::SampleFormat)
-        .ok()
-        .flatten();
-    let format = formats
-        .and_then(|formats| formats.first().copied())
-        .unwrap_or(1);
-    let format = SampleFormat::from_u16_exhaustive(format);
-    let unsupported = |cause: String| {
-        Err(VolumeError::Unsupported(Trouble::new(
-            cause,
-            "save the file as gray or RGB of 8, 16, 32 or 64 bits",
-        )))
-    };
-    if matches!(
-        color,
-        ColorType::CMYK(_) | ColorType::CMYKA(_) | ColorType::Lab(_)
-    ) {
-        return unsupported(format!("pixels are {color:?}"));
-    }
-    use ScalarType::{F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
-    let scalar_type = match (format, bits) {
-        (SampleFormat::Uint | SampleFormat::Void, 1 | 2 | 4) if channels == 1 => U8,
-        (SampleFormat::Uint | SampleFormat::Void, 8) => U8,
-        (SampleFormat::Uint | SampleFormat::Void, 16) => U16,
-        (SampleFormat::Uint | SampleFormat::Void, 32) => U32,
-        (SampleFormat::Uint | SampleFormat::Void, 64) => U64,
-        (SampleFormat::Int, 8) => I8,
-        (SampleFormat::Int, 16) => I16,
-        (SampleFormat::Int, 32) => I32,
-        (SampleFormat::Int, 64) => I64,
-        (SampleFormat::IEEEFP, 16 | 32) => F32,
-        (SampleFormat::IEEEFP, 64) => F64,
-        _ => return unsupported(format!("samples of {bits} bits in the format {format:?}")),
-    };
-    let shape = Shape {
-        width,
-        height,
-        channels,
-        scalar_type,
-    };
-    let compression = decoder
-        .find_tag_unsigned::<u16>(Tag::Compression)
-        .ok()
-        .flatten();
-    let codec = match CompressionMethod::from_u16_exhaustive(compression.unwrap_or(1)) {
-        CompressionMethod::None => Codec::Stored,
-        CompressionMethod::LZW => Codec::Lzw,
-        CompressionMethod::Deflate | CompressionMethod::OldDeflate => Codec::Deflate,
-        CompressionMethod::PackBits => Codec::Runs,
-        CompressionMethod::ModernJPEG | CompressionMethod::JPEG => Codec::Jpeg,
-        _ => Codec::Sparse,
-    };
-    let tag = match decoder.get_chunk_type() {
-        ChunkType::Strip => Tag::StripByteCounts,
-        ChunkType::Tile => Tag::TileByteCounts,
-    };
-    let counts = decoder.find_tag_unsigned_vec::<u64>(tag).map_err(failed)?;
-    let len = decoder.inner().reader.seek(std::io::SeekFrom::End(0));
-    let len = len.map_err(|error| broken(&error.into()))?;
-    let encoded = counts
-        .unwrap_or_default()
-        .iter()
-        .fold(0_u64, |sum, &count| sum.saturating_add(count));
-    let layout = decoder.image_buffer_layout().map_err(failed)?;
-    plausible(codec, encoded.min(len), layout.complete_len as u64)?;
-    Ok(Look {
-        shape,
-        bits,
-        color,
-        format,
-    })
-}
-
-impl Look {
-    /// Decoded bytes as values: planes woven together, bits taken apart, half floats widened, YCbCr turned to RGB.
-    fn values(&self, bytes: &[u8], planes: usize) -> Voxels {
-        let big = cfg!(target_endian = "big");
-        let channels = self.shape.channels as usize;
-        let woven;
-        let bytes = if planes > 1 && planes == channels {
-            let size = usize::from(self.bits / 8).max(1);
-            woven = weave(bytes, planes, size);
-            &woven
-        } else {
-            bytes
-        };
-        if self.bits < 8 {
-            return Voxels::U8(unpack(bytes, self.shape.width as usize, self.bits));
-        }
-        if (self.format, self.bits) == (SampleFormat::IEEEFP, 16) {
-            let halves = bytes.chunks_exact(2);
-            let halves = halves.map(|pair| half::f16::from_ne_bytes([pair[0], pair[1]]).to_f32());
-            return Voxels::F32(halves.collect());
-        }
-        let values = values_of(bytes, self.shape.scalar_type, big);
-        match (self.color, values) {
-            (ColorType::YCbCr(8), Voxels::U8(mut values)) => {
-                values.as_chunks_mut().0.iter_mut().for_each(rgb_of_ycbcr);
-                Voxels::U8(values)
-            }
-            (_, values) => values,
-        }
-    }
-}
-
-/// Full-range YCbCr of Rec. 601, as JPEG has it.
-pub(crate) fn rgb_of_ycbcr(pixel: &mut [u8; 3]) {
-    let [y, cb, cr] = pixel.map(f64::from);
-    let (cb, cr) = (cb - 128.0, cr - 128.0);
-    let rgb = [
-        y + 1.402 * cr,
-        y - 0.344_136 * cb - 0.714_136 * cr,
-        y + 1.772 * cb,
-    ];
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "clamped to a byte"
-    )]
-    let bytes = rgb.map(|value| value.round().clamp(0.0, 255.0) as u8);
-    *pixel = bytes;
-}
-
-/// Planes one behind the other to values one beside the other.
-pub(crate) fn weave(bytes: &[u8], planes: usize, size: usize) -> Vec<u8> {
-    let plane = bytes.len() / planes / size * size;
-    let mut woven = Vec::with_capacity(plane * planes);
-    for at in (0..plane).step_by(size) {
-        for index in 0..planes {
-            woven.extend_from_slice(&bytes[index * plane + at..][..size]);
-        }
-    }
-    woven
-}
-
-/// Rows of 1, 2 or 4 bits per value, each row beginning with a byte, the highest bits first.
-fn unpack(bytes: &[u8], width: usize, bits: u8) -> Vec<u8> {
-    let row = (width * usize::from(bits)).div_ceil(8).max(1);
-    let in_byte = usize::from(8 / bits);
-    let value = |row: &[u8], x: usize| {
-        let shift = 8 - bits - bits * (x % in_byte) as u8;
-        row[x / in_byte] >> shift & ((1_u16 << bits) - 1) as u8
-    };
-    let rows = bytes.chunks_exact(row);
-    rows.flat_map(|row| (0..width).map(move |x| value(row, x)))
-        .collect()
-}
-
-/// A directory as it lies in the file: only what the decoder does not tell.
-struct Entries {
-    at: u64,
-    /// Bytes that it takes.
-    size: u64,
-    /// Tag, offset of the entry's value and the first two or four bytes of it as a number.
-    found: Vec<(u64, u64, u64)>,
-    next: u64,
-}
-
-impl Entries {
-    fn read(
-        input: &Input<'_>,
-        at: u64,
-        big_endian: bool,
-        big_tiff: bool,
-    ) -> Result<Self, VolumeError> {
-        let (count_size, entry_size, next_size) = if big_tiff { (8, 20, 8) } else { (2, 12, 4) };
-        let count = number(&input.bytes_at(at, count_size)?, big_endian);
-        let first = at.saturating_add(count_size);
-        let size = count.saturating_mul(entry_size);
-        let bytes = input.bytes_at(first, size.saturating_add(next_size))?;
-        let (entries, next) = bytes.split_at(size as usize);
-        let wanted = [
-            Tag::NewSubfileType,
-            Tag::PhotometricInterpretation,
-            Tag::ResolutionUnit,
-        ];
-        let wanted = wanted.map(|tag| u64::from(tag.to_u16()));
-        let found = (0_u64..)
-            .zip(entries.chunks_exact(entry_size as usize))
-            .filter_map(|(i, entry)| {
-                let tag = number(&entry[..2], big_endian);
-                let value_at = if big_tiff { 12 } else { 8 };
-                // Type 3 has two bytes, type 4 four.
-                let size = if number(&entry[2..4], big_endian) == 3 {
-                    2
-                } else {
-                    4
-                };
-                let value = number(&entry[value_at..value_at + size], big_endian);
-                let offset = first + i * entry_size + value_at as u64;
-                wanted.contains(&tag).then_some((tag, offset, value))
-            });
-        Ok(Self {
-            at,
-            size,
-            found: found.collect(),
-            next: number(next, big_endian),
-        })
-    }
-
-    fn entry(&self, tag: Tag) -> Option<(u64, u64)> {
-        let tag = u64::from(tag.to_u16());
-        let entry = self.found.iter().find(|(found, ..)| *found == tag);
-        entry.map(|&(_, offset, value)| (offset, value))
-    }
-
-    fn value(&self, tag: Tag) -> Option<u64> {
-        self.entry(tag).map(|(_, value)| value)
-    }
-
-    fn offset(&self, tag: Tag) -> Option<u64> {
-        self.entry(tag).map(|(offset, _)| offset)
     }
 }

@@ -6,6 +6,11 @@
 
 use std::io::{self, Read, Seek, SeekFrom};
 
+use crate::input::BufReadSeek;
+
+/// What decoders read.
+pub(super) type Source<'a> = Patched<Box<dyn BufReadSeek + 'a>>;
+
 /// Reads through to the file, with bytes at some offsets replaced.
 pub(super) struct Patched<R> {
     pub reader: R,
