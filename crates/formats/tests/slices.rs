@@ -285,7 +285,7 @@ fn progress_is_told_and_the_limit_is_kept() {
     let into = Arc::clone(&told);
     let options = LoadOptions {
         progress: Some(Arc::new(move |done, total| {
-            into.lock().unwrap().push((done, total))
+            into.lock().unwrap().push((done, total));
         })),
         ..LoadOptions::default()
     };
@@ -301,6 +301,25 @@ fn progress_is_told_and_the_limit_is_kept() {
             .code(),
         "volume-too-large"
     );
+}
+
+#[test]
+fn a_forged_size_is_refused_before_anything_is_allocated() {
+    let mut bytes = std::fs::read(beside("pictures/jpeg_gray/p0.jpg")).unwrap();
+    let at = bytes
+        .windows(2)
+        .position(|two| two == [0xff, 0xc0])
+        .unwrap();
+    bytes[at + 5..at + 9].fill(0xff);
+    let error = from_bytes("a.jpg", &bytes, &LoadOptions::default()).unwrap_err();
+    assert_eq!(error.code(), "volume-data-too-short", "{error}");
+    let mut bytes = std::fs::read(beside("dicom/jpeg_2000.dcm")).unwrap();
+    for tag in [[0x28, 0, 0x10, 0], [0x28, 0, 0x11, 0]] {
+        let at = bytes.windows(4).position(|four| four == tag).unwrap();
+        bytes[at + 8..at + 10].fill(0xff);
+    }
+    let error = from_bytes("a.dcm", &bytes, &LoadOptions::default()).unwrap_err();
+    assert_eq!(error.code(), "volume-data-too-short", "{error}");
 }
 
 /// A small generator, so that a failing mutant can be made again.
@@ -370,7 +389,7 @@ fn mutants_are_read_or_refused_with_a_word() {
         let whole = std::fs::read(path).unwrap();
         let name = path.file_name().unwrap().to_str().unwrap();
         let mut random = Random(seed as u64);
-        for mutant in 0..60 {
+        for mutant in 0..400 {
             let mut bytes = whole.clone();
             mutate(&mut bytes, &mut random);
             let options = LoadOptions {
