@@ -12,7 +12,7 @@ use volgraph_volume::{Trouble, VolumeError};
 use crate::contents::Opened;
 use crate::input::Input;
 use crate::load::LoadOptions;
-use crate::{metaimage, nrrd, raw};
+use crate::{dicom, metaimage, nrrd, raw, stack, tiff};
 
 /// Bytes that are looked at to recognise a format.
 const HEAD: u64 = 1024;
@@ -87,6 +87,34 @@ pub(crate) const FORMATS: &[Format] = &[
         begins: "ObjectType or NDims",
         recognises: |head| metaimage::is_metaimage(&head.bytes),
         opens: Opens::One(metaimage::open),
+    },
+    Format {
+        name: "DICOM",
+        endings: &[".dcm", ".dicom", ".ima"],
+        begins: "DICM behind 128 bytes",
+        recognises: |head| dicom::is_dicom(&head.bytes),
+        opens: Opens::Slices(dicom::open),
+    },
+    Format {
+        name: "TIFF",
+        endings: &[".tif", ".tiff", ".btf", ".tf8"],
+        begins: "II or MM",
+        recognises: |head| tiff::is_tiff(&head.bytes),
+        opens: Opens::Slices(tiff::open),
+    },
+    Format {
+        name: "PNG",
+        endings: &[".png"],
+        begins: "89 PNG",
+        recognises: |head| stack::is_png(&head.bytes),
+        opens: Opens::Slices(stack::open_png),
+    },
+    Format {
+        name: "JPEG",
+        endings: &[".jpg", ".jpeg"],
+        begins: "FF D8 FF",
+        recognises: |head| stack::is_jpeg(&head.bytes),
+        opens: Opens::Slices(stack::open_jpeg),
     },
 ];
 

@@ -9,6 +9,11 @@ use std::path::{Path, PathBuf};
 
 use volgraph_volume::{Trouble, VolumeError};
 
+/// A reader that can jump.
+pub(crate) trait BufReadSeek: BufRead + Seek {}
+
+impl<T: BufRead + Seek> BufReadSeek for T {}
+
 #[derive(Clone, Debug)]
 pub(crate) struct Input<'a> {
     pub path: PathBuf,
@@ -101,6 +106,36 @@ impl<'a> Input<'a> {
             Ok(file) => Ok(Box::new(BufReader::with_capacity(1 << 16, file))),
             Err(error) => Err(self.unreadable(&error)),
         }
+    }
+
+    /// All bytes, for parsers that jump about.
+    pub fn open_seek(&self) -> Result<Box<dyn BufReadSeek + 'a>, VolumeError> {
+        if let Some(bytes) = self.bytes {
+            return Ok(Box::new(io::Cursor::new(bytes)));
+        }
+        match File::open(&self.path) {
+            Ok(file) => Ok(Box::new(BufReader::with_capacity(1 << 14, file))),
+            Err(error) => Err(self.unreadable(&error)),
+        }
+    }
+
+    /// `len` bytes from `offset` on, which are held against the file's length before anything is allocated.
+    pub fn bytes_at(&self, offset: u64, len: u64) -> Result<Vec<u8>, VolumeError> {
+        let end = offset.checked_add(len).filter(|&end| end <= self.len);
+        let (Some(end), Ok(size)) = (end, usize::try_from(len)) else {
+            return Err(VolumeError::DataTooShort(Trouble::new(
+                format!(
+                    "{len} bytes from byte {offset} on are promised, the file has {}",
+                    self.len
+                ),
+                "the file is cut off: fetch it again",
+            ))
+            .in_file(&self.path));
+        };
+        let mut bytes = vec![0; size];
+        let read = self.open(end - len)?.read_exact(&mut bytes);
+        read.map_err(|error| self.unreadable(&error))?;
+        Ok(bytes)
     }
 
     /// At most the first `limit` bytes.

@@ -15,6 +15,7 @@
 mod axes;
 mod contents;
 mod data_files;
+mod dicom;
 mod fields;
 mod format;
 mod input;
@@ -27,8 +28,11 @@ pub mod raw;
 mod reader;
 mod rescale;
 mod series;
+mod slices;
+mod stack;
 mod stream;
 mod text_data;
+mod tiff;
 
 pub use data_files::DataFiles;
 pub use format::is_volume;

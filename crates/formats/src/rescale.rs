@@ -40,9 +40,15 @@ impl Rescale {
         }
     }
 
+    /// With results of another type, for slices whose slopes differ.
+    pub fn with_type(mut self, scalar_type: ScalarType) -> Self {
+        self.scalar_type = scalar_type;
+        self
+    }
+
     /// Whether the values stay as they are.
     pub fn is_identity(&self) -> bool {
-        (self.slope, self.intercept) == (1.0, 0.0)
+        (self.slope, self.intercept) == (1.0, 0.0) && self.scalar_type == self.stored
     }
 
     /// The rescaled values.

@@ -2,7 +2,7 @@
 //!
 //! Files that are slices (pictures, DICOM) are handed to their format together, in natural order of their names
 //! (`slice9` before `slice10`). Files that are a volume each are time steps in that order. Files of no format are
-//! passed over with a warning; two formats at once are refused, for nobody can know which one is meant.
+//! passed over with a warning, hidden ones and folders in the folder without one; two formats at once are refused, for nobody can know which one is meant.
 
 use std::path::{Path, PathBuf};
 
@@ -17,6 +17,9 @@ use crate::raw;
 
 /// Most files of a series.
 const MOST_FILES: usize = 100_000;
+
+/// Files that desktops leave in folders, in lower case; hidden ones begin with a dot.
+const LITTER: [&str; 3] = ["thumbs.db", "ehthumbs.db", "desktop.ini"];
 
 /// The files that a folder or a glob names, in natural order; `None` where `path` is a file or not there at all.
 pub(crate) fn files(path: &Path) -> Result<Option<Vec<PathBuf>>, VolumeError> {
@@ -33,7 +36,8 @@ pub(crate) fn files(path: &Path) -> Result<Option<Vec<PathBuf>>, VolumeError> {
         let mut files = Vec::new();
         for entry in std::fs::read_dir(path).map_err(unreadable)? {
             let entry = entry.map_err(unreadable)?;
-            let hidden = entry.file_name().to_string_lossy().starts_with('.');
+            let name = entry.file_name().to_string_lossy().to_lowercase();
+            let hidden = name.starts_with('.') || LITTER.contains(&name.as_str());
             if !hidden && entry.path().is_file() {
                 files.push(entry.path());
             }

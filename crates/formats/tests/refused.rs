@@ -91,7 +91,7 @@ fn raw_cases(full: &[u8]) -> Vec<Case> {
 
 #[rustfmt::skip]
 fn nrrd_cases(full: &[u8]) -> Vec<Case> {
-    let png = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR".as_slice();
+    let gif = b"GIF89a\x04\0\x04\0\x80\0\0\0\0\0".as_slice();
     let packed = gzip(full);
     let blocks = bzip2(full);
     let three = "dimension: 3\nsizes: 4 4 4";
@@ -120,7 +120,7 @@ fn nrrd_cases(full: &[u8]) -> Vec<Case> {
         case("a.nhdr", nrrd("", "data file: a.nhdr\n", b""), "volume-data-file", 0),
         case("a.nhdr", nrrd("", "data file: ./folder/../a.nhdr\n", b""), "volume-data-file", 0),
         case("a.nhdr", nrrd("", "data file: LIST\n", b""), "volume-bad-value", 7),
-        case("a.nrrd", png, "volume-wrong-content", 0),
+        case("a.nrrd", gif, "volume-wrong-content", 0),
         case("a.nrrd", "", "volume-wrong-content", 0),
         case("a.nrrd", nrrd("", "", &full[1..]), "volume-data-too-short", 0),
         case("a.nrrd", nrrd("", "", &[full, b"xyz"].concat()), "volume-data-too-long", 0),
