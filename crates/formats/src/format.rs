@@ -11,7 +11,7 @@ use volgraph_volume::{Trouble, VolumeError};
 use crate::contents::Opened;
 use crate::input::Input;
 use crate::load::LoadOptions;
-use crate::{metaimage, nrrd, raw};
+use crate::{metaimage, nifti, npy, nrrd, raw, vti};
 
 /// Bytes that are looked at to recognise a format.
 const HEAD: u64 = 1024;
@@ -87,6 +87,27 @@ pub(crate) const FORMATS: &[Format] = &[
         recognises: |head| metaimage::is_metaimage(&head.bytes),
         opens: Opens::One(metaimage::open),
     },
+    Format {
+        name: "NIfTI",
+        endings: &[".nii", ".nii.gz"],
+        begins: "its size, 348 or 540, and has n+1, ni1, n+2 or ni2",
+        recognises: nifti::is_nifti,
+        opens: Opens::One(nifti::open),
+    },
+    Format {
+        name: "VTI",
+        endings: &[".vti"],
+        begins: "<VTKFile type=\"ImageData\"",
+        recognises: |head| vti::is_vti(&head.bytes),
+        opens: Opens::One(vti::open),
+    },
+    Format {
+        name: "NumPy",
+        endings: &[".npy"],
+        begins: "\\x93NUMPY",
+        recognises: |head| npy::is_npy(&head.bytes),
+        opens: Opens::One(npy::open),
+    },
 ];
 
 /// The format of a file by its content.
@@ -105,6 +126,10 @@ pub(crate) fn open_file<'a>(
             Opens::One(open) => open(input, options),
             Opens::Slices(open) => open(std::slice::from_ref(input), options),
         };
+    }
+    // The voxels of a pair: its header says what they are.
+    if let Some(header) = nifti::header_of(input, &head) {
+        return nifti::open(&header, options);
     }
     let looks_like = sniff(&head.bytes);
     let promised = FORMATS

@@ -20,6 +20,8 @@ mod format;
 mod input;
 mod load;
 pub mod metaimage;
+mod nifti;
+mod npy;
 pub mod nrrd;
 mod pick;
 mod piece;
@@ -29,6 +31,7 @@ mod rescale;
 mod series;
 mod stream;
 mod text_data;
+mod vti;
 
 pub use data_files::DataFiles;
 pub use load::{LoadOptions, Progress, from_bytes, load};
