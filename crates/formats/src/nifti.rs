@@ -67,10 +67,11 @@ pub(crate) fn open<'a>(
 ) -> Result<Opened<'a>, VolumeError> {
     let (bytes, packed) = head(input)?;
     let mut header = Header::parse(&bytes)?;
+    let (stored, channels) = stored_type(header.datatype)?;
+    let from = header.voxels_at()?;
+    let layout = Layout::of(&header, channels)?;
     let data = data_input(input, &header)?;
     let data_packed = if header.attached { packed } else { is_gzip(&data)? };
-    let (stored, channels) = stored_type(header.datatype)?;
-    let layout = Layout::of(&header, channels)?;
     let count = layout.axes.count()?;
     let grid = placement::grid(&mut header, layout.axes.dims())?;
     let rescale = rescale(&header, stored, channels)?;
@@ -94,9 +95,9 @@ pub(crate) fn open<'a>(
     }
     let piece = Piece {
         input: data,
-        start: if data_packed { 0 } else { header.vox_offset },
+        start: if data_packed { 0 } else { from },
         line_skip: 0,
-        byte_skip: if data_packed { i64::try_from(header.vox_offset).unwrap_or(i64::MAX) } else { 0 },
+        byte_skip: if data_packed { i64::try_from(from).unwrap_or(i64::MAX) } else { 0 },
         encoding: if data_packed { Encoding::Gzip } else { Encoding::Raw },
         line_end: false,
         encoded_len: None,

@@ -22,8 +22,8 @@ pub(super) struct Header {
     pub dim: [i64; 8],
     pub datatype: i16,
     pub pixdim: [f64; 8],
-    /// Where the voxels begin.
-    pub vox_offset: u64,
+    /// Where the voxels begin, unchecked.
+    vox_offset: f64,
     pub slope: f64,
     pub intercept: f64,
     pub units: i32,
@@ -101,12 +101,6 @@ impl Header {
             warnings.push(format!("the header says that it has {} bytes; 348 are read", h.sizeof_hdr));
         }
         let attached = &h.magic == b"n+1\0";
-        let offset = f64::from(h.vox_offset);
-        if !(0.0..1e18).contains(&offset) {
-            return Err(offset_error(offset));
-        }
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "its range was seen")]
-        let offset = offset as u64;
         let wide = |row: [f32; 4]| row.map(f64::from);
         Ok(Self {
             version: 1,
@@ -115,7 +109,7 @@ impl Header {
             dim: h.dim.map(|size| i64::from(size.cast_signed())),
             datatype: h.datatype,
             pixdim: h.pixdim.map(f64::from),
-            vox_offset: voxels_at(offset, attached, 352)?,
+            vox_offset: h.vox_offset.into(),
             slope: h.scl_slope.into(),
             intercept: h.scl_inter.into(),
             units: h.xyzt_units.into(),
@@ -166,14 +160,6 @@ impl Header {
                 ))));
             }
         }
-        let offset = at.i64(168)?;
-        let Ok(offset) = u64::try_from(offset) else {
-            return Some(Err(offset_error(offset as f64)));
-        };
-        let vox_offset = match voxels_at(offset, attached, 544) {
-            Ok(offset) => offset,
-            Err(error) => return Some(Err(error)),
-        };
         let row = |from: usize| Some([at.f64(from)?, at.f64(from + 8)?, at.f64(from + 16)?, at.f64(from + 24)?]);
         let three = |from: usize| Some([at.f64(from)?, at.f64(from + 8)?, at.f64(from + 16)?]);
         let (mut dim, mut pixdim) = ([0; 8], [0.0; 8]);
@@ -188,7 +174,8 @@ impl Header {
             dim,
             datatype: at.i16(12)?,
             pixdim,
-            vox_offset,
+            // Exact up to 2^53 bytes.
+            vox_offset: at.i64(168)? as f64,
             slope: at.f64(176)?,
             intercept: at.f64(184)?,
             units: at.i32(500)?,
@@ -232,6 +219,27 @@ impl Header {
         }
     }
 
+    /// Where the voxels begin: an offset of 0 means right behind the header, and its fraction nothing.
+    pub fn voxels_at(&self) -> Result<u64, VolumeError> {
+        let least = match (self.attached, self.version) {
+            (false, _) => 0,
+            (true, 1) => 352,
+            (true, _) => 544,
+        };
+        let offset = self.vox_offset;
+        if offset == 0.0 {
+            return Ok(least);
+        }
+        if !(least as f64..1e18).contains(&offset) {
+            return Err(bad(
+                format!("the voxels begin at vox_offset = {offset:e}, and the header ends at {least}"),
+                "fetch the file again, or correct vox_offset in its header",
+            ));
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "its range was seen")]
+        Ok(offset as u64)
+    }
+
     /// Sizes of the axes that are there.
     pub fn sizes(&self) -> Result<Vec<u64>, VolumeError> {
         let remedy = "fetch the file again, or correct the dimensions in its header";
@@ -244,25 +252,6 @@ impl Header {
                 u64::try_from(size).map_err(|_| bad(format!("axis {} has {size} samples", axis + 1), remedy))
             })
             .collect()
-    }
-}
-
-fn offset_error(offset: f64) -> VolumeError {
-    bad(
-        format!("the voxels begin at vox_offset = {offset}"),
-        "fetch the file again, or correct vox_offset in its header",
-    )
-}
-
-/// Where the voxels begin: an offset of 0 means behind the header, wherever that ends.
-fn voxels_at(offset: u64, attached: bool, least: u64) -> Result<u64, VolumeError> {
-    match offset {
-        0 if attached => Ok(least),
-        _ if attached && offset < least => Err(bad(
-            format!("the voxels begin at byte {offset}, inside the header of {least}"),
-            "correct vox_offset in the header",
-        )),
-        _ => Ok(offset),
     }
 }
 
