@@ -49,13 +49,21 @@ pub(crate) fn header_of<'a>(input: &Input<'a>, head: &Head) -> Option<Input<'a>>
 
 /// Names of the other file of a pair: that which is packed alike, then the other one.
 fn beside(name: &str, ending: &str) -> [String; 2] {
-    let (base, packed) = match name.len().checked_sub(3).and_then(|at| name.split_at_checked(at)) {
+    let (base, packed) = match name
+        .len()
+        .checked_sub(3)
+        .and_then(|at| name.split_at_checked(at))
+    {
         Some((base, gz)) if gz.eq_ignore_ascii_case(".gz") => (base, true),
         _ => (name, false),
     };
     let (base, old) = base.rsplit_once('.').unwrap_or((base, ""));
     let upper = !old.is_empty() && old.chars().all(|letter| letter.is_ascii_uppercase());
-    let ending = if upper { ending.to_ascii_uppercase() } else { ending.to_owned() };
+    let ending = if upper {
+        ending.to_ascii_uppercase()
+    } else {
+        ending.to_owned()
+    };
     let (plain, gz) = (format!("{base}.{ending}"), format!("{base}.{ending}.gz"));
     if packed { [gz, plain] } else { [plain, gz] }
 }
@@ -71,7 +79,11 @@ pub(crate) fn open<'a>(
     let from = header.voxels_at()?;
     let layout = Layout::of(&header, channels)?;
     let data = data_input(input, &header)?;
-    let data_packed = if header.attached { packed } else { is_gzip(&data)? };
+    let data_packed = if header.attached {
+        packed
+    } else {
+        is_gzip(&data)?
+    };
     let count = layout.axes.count()?;
     let grid = placement::grid(&mut header, layout.axes.dims())?;
     let rescale = rescale(&header, stored, channels)?;
@@ -97,8 +109,16 @@ pub(crate) fn open<'a>(
         input: data,
         start: if data_packed { 0 } else { from },
         line_skip: 0,
-        byte_skip: if data_packed { i64::try_from(from).unwrap_or(i64::MAX) } else { 0 },
-        encoding: if data_packed { Encoding::Gzip } else { Encoding::Raw },
+        byte_skip: if data_packed {
+            i64::try_from(from).unwrap_or(i64::MAX)
+        } else {
+            0
+        },
+        encoding: if data_packed {
+            Encoding::Gzip
+        } else {
+            Encoding::Raw
+        },
         line_end: false,
         encoded_len: None,
     };
@@ -125,7 +145,9 @@ fn head(input: &Input<'_>) -> Result<(Vec<u8>, bool), VolumeError> {
     let packed = is_gzip(input)?;
     let reader = input.open(0)?;
     let read = if packed {
-        MultiGzDecoder::new(reader).take(LONGEST).read_to_end(&mut bytes)
+        MultiGzDecoder::new(reader)
+            .take(LONGEST)
+            .read_to_end(&mut bytes)
     } else {
         reader.take(LONGEST).read_to_end(&mut bytes)
     };
@@ -155,14 +177,21 @@ fn data_input<'a>(input: &Input<'a>, header: &Header) -> Result<Input<'a>, Volum
     let [first, second] = beside(&name, "img");
     input.data_file(&first).or_else(|error| {
         let there = Path::new(&input.path).with_file_name(&second).is_file();
-        if there { input.data_file(&second) } else { Err(error) }
+        if there {
+            input.data_file(&second)
+        } else {
+            Err(error)
+        }
     })
 }
 
 /// The type of the stored values, and how many of them a colour has (1 for what is no colour).
 fn stored_type(code: i16) -> Result<(ScalarType, u64), VolumeError> {
     let refused = |what: &str, remedy: &str| {
-        VolumeError::Unsupported(Trouble::new(format!("voxels are {what} (datatype {code})"), remedy))
+        VolumeError::Unsupported(Trouble::new(
+            format!("voxels are {what} (datatype {code})"),
+            remedy,
+        ))
     };
     let complex = "save the magnitude, or real and imaginary part, as a file each";
     Ok(match code {
@@ -202,7 +231,10 @@ fn rescale(
     }
     if !header.intercept.is_finite() {
         return Err(VolumeError::BadValue(Trouble::new(
-            format!("the slope scl_slope is {} and the intercept scl_inter is {}", header.slope, header.intercept),
+            format!(
+                "the slope scl_slope is {} and the intercept scl_inter is {}",
+                header.slope, header.intercept
+            ),
             "set scl_inter to a finite number, or scl_slope to 0 for values as they are stored",
         )));
     }
@@ -224,7 +256,11 @@ impl Layout {
         }
         if let Some(axis) = (5..sizes.len()).find(|&axis| sizes[axis] > 1) {
             return Err(VolumeError::Unsupported(Trouble::new(
-                format!("axis {} has {} samples; space, time and components are the first five", axis + 1, sizes[axis]),
+                format!(
+                    "axis {} has {} samples; space, time and components are the first five",
+                    axis + 1,
+                    sizes[axis]
+                ),
                 "cut the file to five axes",
             )));
         }
@@ -249,8 +285,14 @@ fn times(header: &Header, steps: u32) -> Vec<f64> {
     if steps < 2 || steps > MOST_TIMES || !(step.is_finite() && step > 0.0) {
         return Vec::new();
     }
-    let start = if header.toffset.is_finite() { header.toffset } else { 0.0 };
-    (0..steps).map(|index| start + f64::from(index) * step).collect()
+    let start = if header.toffset.is_finite() {
+        header.toffset
+    } else {
+        0.0
+    };
+    (0..steps)
+        .map(|index| start + f64::from(index) * step)
+        .collect()
 }
 
 #[cfg(test)]

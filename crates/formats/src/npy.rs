@@ -37,9 +37,8 @@ pub(crate) fn open<'a>(
 ) -> Result<Opened<'a>, VolumeError> {
     let (bytes, text) = header(input)?;
     check_text(&text)?;
-    let header = NpyHeader::from_reader(bytes.as_slice()).map_err(|error| {
-        syntax(format!("the header {text:?} cannot be read: {error}"))
-    })?;
+    let header = NpyHeader::from_reader(bytes.as_slice())
+        .map_err(|error| syntax(format!("the header {text:?} cannot be read: {error}")))?;
     let DType::Plain(stored) = header.dtype() else {
         return Err(structured());
     };
@@ -78,7 +77,11 @@ pub(crate) fn open<'a>(
         axes,
         rescale: None,
     };
-    let data: Box<dyn Data + 'a> = if half { Box::new(Halves(stored)) } else { Box::new(stored) };
+    let data: Box<dyn Data + 'a> = if half {
+        Box::new(Halves(stored))
+    } else {
+        Box::new(stored)
+    };
     Ok(Opened { contents, data })
 }
 
@@ -103,11 +106,15 @@ fn header(input: &Input<'_>) -> Result<(Vec<u8>, String), VolumeError> {
         _ => return Err(cut_off()),
     };
     if length > LONGEST {
-        return Err(syntax(format!("the header has {length} bytes; {LONGEST} are the most")));
+        return Err(syntax(format!(
+            "the header has {length} bytes; {LONGEST} are the most"
+        )));
     }
     let mut bytes = Vec::new();
     let mut reader = input.open(0)?.take((from + length) as u64);
-    reader.read_to_end(&mut bytes).map_err(|error| input.unreadable(&error))?;
+    reader
+        .read_to_end(&mut bytes)
+        .map_err(|error| input.unreadable(&error))?;
     if bytes.len() < from + length {
         return Err(cut_off());
     }
@@ -120,7 +127,11 @@ fn check_text(text: &str) -> Result<(), VolumeError> {
     if text.contains('[') {
         return Err(structured());
     }
-    let unusual = || syntax(format!("the header {text:?} is not what NumPy writes for an array"));
+    let unusual = || {
+        syntax(format!(
+            "the header {text:?} is not what NumPy writes for an array"
+        ))
+    };
     let count = |letter: char| text.matches(letter).count();
     if count('{') != 1 || count('(') != 1 || count(')') != 1 || text.contains('\\') {
         return Err(unusual());
@@ -128,23 +139,32 @@ fn check_text(text: &str) -> Result<(), VolumeError> {
     let (before, after) = text.split_once('(').ok_or_else(unusual)?;
     let (sizes, after) = after.split_once(')').ok_or_else(unusual)?;
     let keyed = before.trim_end().strip_suffix(':').map(str::trim_end);
-    let keyed = keyed.is_some_and(|before| before.ends_with("'shape'") || before.ends_with("\"shape\""));
+    let keyed =
+        keyed.is_some_and(|before| before.ends_with("'shape'") || before.ends_with("\"shape\""));
     if !keyed || text.matches("shape").count() != 1 || after.contains('(') {
         return Err(unusual());
     }
-    let sizes = sizes.split(',').map(str::trim).filter(|size| !size.is_empty());
+    let sizes = sizes
+        .split(',')
+        .map(str::trim)
+        .filter(|size| !size.is_empty());
     let mut product = 1_u64;
     for size in sizes {
         if !size.bytes().all(|byte| byte.is_ascii_digit()) {
             return Err(unusual());
         }
-        let larger = size.parse::<u64>().ok().and_then(|size| product.checked_mul(size.max(1)));
-        product = larger.filter(|&product| product <= i64::MAX as u64).ok_or_else(|| {
-            VolumeError::TooLarge(Trouble::new(
-                "the sizes of the array are more than 2^63 values".to_owned(),
-                "fetch the file again, or correct the shape in its header",
-            ))
-        })?;
+        let larger = size
+            .parse::<u64>()
+            .ok()
+            .and_then(|size| product.checked_mul(size.max(1)));
+        product = larger
+            .filter(|&product| product <= i64::MAX as u64)
+            .ok_or_else(|| {
+                VolumeError::TooLarge(Trouble::new(
+                    "the sizes of the array are more than 2^63 values".to_owned(),
+                    "fetch the file again, or correct the shape in its header",
+                ))
+            })?;
     }
     Ok(())
 }
@@ -179,7 +199,10 @@ fn scalar_type(stored: &TypeStr) -> Result<(ScalarType, bool), VolumeError> {
         (Float, 2) => Ok((ScalarType::U16, true)),
         (kind, _) => {
             let (what, remedy) = match kind {
-                TypeChar::Object => ("Python objects", "save it as numbers: array.astype('float32')"),
+                TypeChar::Object => (
+                    "Python objects",
+                    "save it as numbers: array.astype('float32')",
+                ),
                 TypeChar::Complex => ("complex numbers", "save its magnitude: numpy.abs(array)"),
                 Float => ("long floats", "save it as float64: array.astype('float64')"),
                 _ => ("no numbers", "save it as numbers"),

@@ -25,8 +25,12 @@ use pieces::{Pieces, Span};
 
 /// Whether a file with this head is a VTK XML file; of what is said by [`open`].
 pub(crate) fn is_vti(head: &[u8]) -> bool {
-    let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head).trim_ascii_start();
-    let xml = text.starts_with(b"<?xml") || text.starts_with(b"<!--") || text.starts_with(b"<VTKFile");
+    let text = head
+        .strip_prefix(b"\xef\xbb\xbf")
+        .unwrap_or(head)
+        .trim_ascii_start();
+    let xml =
+        text.starts_with(b"<?xml") || text.starts_with(b"<!--") || text.starts_with(b"<VTKFile");
     xml && text.windows(8).any(|window| window == b"<VTKFile")
 }
 
@@ -37,7 +41,9 @@ pub(crate) fn open<'a>(
 ) -> Result<Opened<'a>, VolumeError> {
     let header = header::read(input)?;
     let (on, name) = choose(&header, options)?;
-    let first = header.array(0, on, &name).ok_or_else(|| missing(&name, 0))?;
+    let first = header
+        .array(0, on, &name)
+        .ok_or_else(|| missing(&name, 0))?;
     let (scalar_type, components) = (first.scalar_type()?, first.components()?);
     let dims = on.dims(header.extent)?;
     let spans = spans(&header, on, &name, scalar_type, components)?;
@@ -48,9 +54,18 @@ pub(crate) fn open<'a>(
     }
     let axes = Axes::new(sizes, (first_axis..first_axis + 3).collect())?;
     let count = axes.count()?;
-    let version = if header.version.is_empty() { "VTI".to_owned() } else { format!("VTI {}", header.version) };
-    let mut contents =
-        Contents::new(version, stem(&input.path), axes.clone(), scalar_type, grid(&header, on, dims));
+    let version = if header.version.is_empty() {
+        "VTI".to_owned()
+    } else {
+        format!("VTI {}", header.version)
+    };
+    let mut contents = Contents::new(
+        version,
+        stem(&input.path),
+        axes.clone(),
+        scalar_type,
+        grid(&header, on, dims),
+    );
     // VTK itself takes bytes of two to four as colours.
     if scalar_type == ScalarType::U8 && (2..=4).contains(&components) {
         contents.components = Components::Colors;
@@ -60,10 +75,16 @@ pub(crate) fn open<'a>(
     }
     let all: Vec<String> = header.names().map(|(_, name)| name.to_owned()).collect();
     if all.len() > 1 {
-        contents.about.facts.push(("arrays".to_owned(), all.join(", ")));
+        contents
+            .about
+            .facts
+            .push(("arrays".to_owned(), all.join(", ")));
     }
     if on == On::Cells {
-        contents.about.facts.push(("values on".to_owned(), "cells".to_owned()));
+        contents
+            .about
+            .facts
+            .push(("values on".to_owned(), "cells".to_owned()));
     }
     if let Some(time) = &header.time {
         contents.about.facts.push(("time".to_owned(), time.clone()));
@@ -95,8 +116,14 @@ fn missing(name: &str, piece: usize) -> VolumeError {
 /// The array that the options name; else the only one, or the one that the file calls active, points before cells.
 fn choose(header: &Header, options: &LoadOptions) -> Result<(On, String), VolumeError> {
     let all: Vec<(On, &str)> = header.names().collect();
-    let list = || all.iter().map(|(_, name)| *name).collect::<Vec<_>>().join(", ");
-    let refuse = |cause: String, remedy: String| Err(VolumeError::Option(Trouble::new(cause, remedy)));
+    let list = || {
+        all.iter()
+            .map(|(_, name)| *name)
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    let refuse =
+        |cause: String, remedy: String| Err(VolumeError::Option(Trouble::new(cause, remedy)));
     let picked = |(on, name): (On, &str)| Ok((on, name.to_owned()));
     if all.is_empty() {
         return Err(VolumeError::MissingField(Trouble::new(
@@ -109,10 +136,15 @@ fn choose(header: &Header, options: &LoadOptions) -> Result<(On, String), Volume
             return picked(exact);
         }
         let lower = part.to_lowercase();
-        let having = all.iter().filter(|(_, name)| name.to_lowercase().contains(&lower));
+        let having = all
+            .iter()
+            .filter(|(_, name)| name.to_lowercase().contains(&lower));
         return match having.copied().collect::<Vec<_>>().as_slice() {
             &[one] => picked(one),
-            [] => refuse(format!("there is no array {part:?}"), format!("name one of {}", list())),
+            [] => refuse(
+                format!("there is no array {part:?}"),
+                format!("name one of {}", list()),
+            ),
             several => {
                 let names: Vec<&str> = several.iter().map(|(_, name)| *name).collect();
                 refuse(
@@ -152,14 +184,24 @@ fn spans(
             .all(|(part, whole)| part[0] >= whole[0] && part[1] <= whole[1]);
         if !inside {
             return Err(VolumeError::BadValue(Trouble::new(
-                format!("piece {} has the extent {:?}, outside of {:?}", index + 1, piece.extent, header.extent),
+                format!(
+                    "piece {} has the extent {:?}, outside of {:?}",
+                    index + 1,
+                    piece.extent,
+                    header.extent
+                ),
                 "correct Extent or WholeExtent",
             )));
         }
-        let array: &Array = header.array(index, on, name).ok_or_else(|| missing(name, index))?;
+        let array: &Array = header
+            .array(index, on, name)
+            .ok_or_else(|| missing(name, index))?;
         if array.scalar_type()? != scalar_type || array.components()? != components {
             return Err(VolumeError::Unsupported(Trouble::new(
-                format!("array {name:?} has another type or number of components in piece {}", index + 1),
+                format!(
+                    "array {name:?} has another type or number of components in piece {}",
+                    index + 1
+                ),
                 "write the same type for each piece",
             )));
         }
@@ -186,7 +228,9 @@ fn grid(header: &Header, on: On, dims: [u32; 3]) -> Grid {
     let start = header.extent.map(|[from, _]| f64::from(from));
     let mut first = DVec3::from_array(start);
     if on == On::Cells {
-        let flat = header.extent.map(|[from, to]| if from == to { 0.0 } else { 0.5 });
+        let flat = header
+            .extent
+            .map(|[from, to]| if from == to { 0.0 } else { 0.5 });
         first += DVec3::from_array(flat);
     }
     Grid {

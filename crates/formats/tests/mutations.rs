@@ -3,9 +3,41 @@
 
 mod common;
 
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use common::expected::{options, unpack};
 use common::table;
 use volgraph_formats::{LoadOptions, load};
+
+/// Most bytes that reading a broken file of some hundred bytes may allocate at once: the first step of a growing
+/// vector is 4 MiB, and two more tests may run beside.
+const MOST_BYTES: usize = 64 << 20;
+
+/// The system's allocator, with the sum and its highest.
+struct Counting;
+
+static NOW: AtomicUsize = AtomicUsize::new(0);
+static HIGHEST: AtomicUsize = AtomicUsize::new(0);
+
+// SAFETY: all is done by the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let now = NOW.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
+        HIGHEST.fetch_max(now, Ordering::Relaxed);
+        // SAFETY: as the caller promises.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
+        NOW.fetch_sub(layout.size(), Ordering::Relaxed);
+        // SAFETY: as the caller promises.
+        unsafe { System.dealloc(at, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
 
 /// Changes per file.
 const MUTANTS: u64 = 40;
@@ -24,14 +56,28 @@ impl Dice {
 }
 
 const NASTY: [&[u8]; 12] = [
-    b"0", b"-1", b"18446744073709551615", b"4294967295", b"-2147483648 2147483647", b"nan", b"1e999", b"\"", b"<", b"(", b"'",
+    b"0",
+    b"-1",
+    b"18446744073709551615",
+    b"4294967295",
+    b"-2147483648 2147483647",
+    b"nan",
+    b"1e999",
+    b"\"",
+    b"<",
+    b"(",
+    b"'",
     b"99999999999999999999",
 ];
 
 /// One to three changes: bits, numbers of a binary header, numbers in text, a cut, a piece twice.
 fn mutate(bytes: &mut Vec<u8>, dice: &mut Dice) {
     // Where headers are, most of the time.
-    let head = if dice.roll(3) == 0 { bytes.len() } else { bytes.len().min(700) };
+    let head = if dice.roll(3) == 0 {
+        bytes.len()
+    } else {
+        bytes.len().min(700)
+    };
     match dice.roll(6) {
         0 => {
             let at = dice.roll(head);
@@ -54,9 +100,17 @@ fn mutate(bytes: &mut Vec<u8>, dice: &mut Dice) {
             let starts: Vec<usize> = (1..head)
                 .filter(|&at| bytes[at].is_ascii_digit() && !bytes[at - 1].is_ascii_digit())
                 .collect();
-            let Some(&at) = starts.get(dice.roll(starts.len())) else { return };
-            let digits = bytes[at..].iter().take_while(|byte| byte.is_ascii_digit()).count();
-            bytes.splice(at..at + digits, NASTY[dice.roll(NASTY.len())].iter().copied());
+            let Some(&at) = starts.get(dice.roll(starts.len())) else {
+                return;
+            };
+            let digits = bytes[at..]
+                .iter()
+                .take_while(|byte| byte.is_ascii_digit())
+                .count();
+            bytes.splice(
+                at..at + digits,
+                NASTY[dice.roll(NASTY.len())].iter().copied(),
+            );
         }
     }
 }
@@ -69,8 +123,14 @@ fn mutants(text: &str, seed: u64) -> (usize, usize) {
     for row in rows.iter().filter(|row| !row["bytes"].is_empty()) {
         let folder = tempfile::tempdir().unwrap();
         let path = unpack(row, folder.path());
-        let files: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|file| file.unwrap().path()).collect();
-        let whole: Vec<Vec<u8>> = files.iter().map(|file| std::fs::read(file).unwrap()).collect();
+        let files: Vec<_> = std::fs::read_dir(folder.path())
+            .unwrap()
+            .map(|file| file.unwrap().path())
+            .collect();
+        let whole: Vec<Vec<u8>> = files
+            .iter()
+            .map(|file| std::fs::read(file).unwrap())
+            .collect();
         for _ in 0..MUTANTS {
             let which = dice.roll(files.len());
             let mut bytes = whole[which].clone();
@@ -81,7 +141,7 @@ fn mutants(text: &str, seed: u64) -> (usize, usize) {
             }
             std::fs::write(&files[which], &bytes).unwrap();
             let options = LoadOptions {
-                max_bytes: Some(1 << 20),
+                max_bytes: Some(1 << 40),
                 ..options(row)
             };
             match load(&path, &options) {
@@ -90,7 +150,11 @@ fn mutants(text: &str, seed: u64) -> (usize, usize) {
                     assert_eq!(volume.voxels().len() as u64, volume.grid().voxel_count());
                     assert!(volume.grid().check().is_ok());
                     let (lo, hi) = volume.grid().box_index();
-                    let _ = (volume.trilinear(lo), volume.trilinear(hi), volume.statistics().min);
+                    let _ = (
+                        volume.trilinear(lo),
+                        volume.trilinear(hi),
+                        volume.statistics().min,
+                    );
                 }
                 Err(error) => {
                     refused += 1;
@@ -105,7 +169,12 @@ fn mutants(text: &str, seed: u64) -> (usize, usize) {
             std::fs::write(&files[which], &whole[which]).unwrap();
         }
     }
-    assert!(read > 100 && refused > 100, "{read} read, {refused} refused");
+    let highest = HIGHEST.load(Ordering::Relaxed);
+    assert!(highest < MOST_BYTES, "{highest} bytes were allocated");
+    assert!(
+        read > 100 && refused > 100,
+        "{read} read, {refused} refused"
+    );
     (read, refused)
 }
 

@@ -6,8 +6,8 @@ mod common;
 use std::path::Path;
 
 use common::{bzip2, gzip, zlib};
-use volgraph_report::Finding;
 use volgraph_formats::{LoadOptions, load};
+use volgraph_report::Finding;
 
 const NRRD: &str =
     "NRRD0004\ntype: short\ndimension: 3\nsizes: 4 4 4\nendian: little\nencoding: raw\n";

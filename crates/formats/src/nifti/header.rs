@@ -96,15 +96,32 @@ impl Header {
                 "fetch the file again",
             ))
         })?;
+        // The crate takes the byte order that makes the number of axes small; the size of the header knows better.
+        let big_endian = h.endianness == Endianness::Big;
+        let size = bytes.first_chunk().copied().unwrap_or_default();
+        if if big_endian {
+            i32::from_le_bytes(size)
+        } else {
+            i32::from_be_bytes(size)
+        } == 348
+        {
+            return Err(bad(
+                "the header has no number of axes from 1 to 7",
+                "fetch the file again",
+            ));
+        }
         let mut warnings = Vec::new();
         if h.sizeof_hdr != 348 {
-            warnings.push(format!("the header says that it has {} bytes; 348 are read", h.sizeof_hdr));
+            warnings.push(format!(
+                "the header says that it has {} bytes; 348 are read",
+                h.sizeof_hdr
+            ));
         }
         let attached = &h.magic == b"n+1\0";
         let wide = |row: [f32; 4]| row.map(f64::from);
         Ok(Self {
             version: 1,
-            big_endian: h.endianness == Endianness::Big,
+            big_endian,
             attached,
             dim: h.dim.map(|size| i64::from(size.cast_signed())),
             datatype: h.datatype,
@@ -145,7 +162,10 @@ impl Header {
             m if &m == b"ni2\0" => false,
             m => {
                 return Some(Err(VolumeError::HeaderSyntax(Trouble::new(
-                    format!("the header has the size of NIfTI-2's, and its magic is {:?}", text(&m)),
+                    format!(
+                        "the header has the size of NIfTI-2's, and its magic is {:?}",
+                        text(&m)
+                    ),
                     "fetch the file again",
                 ))));
             }
@@ -160,7 +180,14 @@ impl Header {
                 ))));
             }
         }
-        let row = |from: usize| Some([at.f64(from)?, at.f64(from + 8)?, at.f64(from + 16)?, at.f64(from + 24)?]);
+        let row = |from: usize| {
+            Some([
+                at.f64(from)?,
+                at.f64(from + 8)?,
+                at.f64(from + 16)?,
+                at.f64(from + 24)?,
+            ])
+        };
         let three = |from: usize| Some([at.f64(from)?, at.f64(from + 8)?, at.f64(from + 16)?]);
         let (mut dim, mut pixdim) = ([0; 8], [0.0; 8]);
         for axis in 0..8 {
@@ -195,9 +222,14 @@ impl Header {
 
     /// What nibabel mends: codes that do not exist, voxels without a size, a handedness that is none.
     fn mend(&mut self) {
-        for (name, code) in [("qform_code", &mut self.qform), ("sform_code", &mut self.sform)] {
+        for (name, code) in [
+            ("qform_code", &mut self.qform),
+            ("sform_code", &mut self.sform),
+        ] {
             if !(0..=5).contains(code) {
-                self.warnings.push(format!("{name} is {code}, which does not exist; taken as 0"));
+                self.warnings.push(format!(
+                    "{name} is {code}, which does not exist; taken as 0"
+                ));
                 *code = 0;
             }
         }
@@ -208,12 +240,17 @@ impl Header {
             let mended = if size == 0.0 { 1.0 } else { size.abs() };
             self.pixdim[axis] = mended;
             if mended.to_bits() != size.to_bits() && !placed && axis <= axes {
-                self.warnings.push(format!("the voxel size pixdim[{axis}] is {size}; taken as {mended}"));
+                self.warnings.push(format!(
+                    "the voxel size pixdim[{axis}] is {size}; taken as {mended}"
+                ));
             }
         }
         if self.pixdim[0].abs() != 1.0 {
             if self.qform > 0 && !placed {
-                self.warnings.push(format!("the handedness pixdim[0] is {}; taken as 1", self.pixdim[0]));
+                self.warnings.push(format!(
+                    "the handedness pixdim[0] is {}; taken as 1",
+                    self.pixdim[0]
+                ));
             }
             self.pixdim[0] = 1.0;
         }
@@ -232,24 +269,37 @@ impl Header {
         }
         if !(least as f64..1e18).contains(&offset) {
             return Err(bad(
-                format!("the voxels begin at vox_offset = {offset:e}, and the header ends at {least}"),
+                format!(
+                    "the voxels begin at vox_offset = {offset:e}, and the header ends at {least}"
+                ),
                 "fetch the file again, or correct vox_offset in its header",
             ));
         }
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "its range was seen")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "its range was seen"
+        )]
         Ok(offset as u64)
     }
 
     /// Sizes of the axes that are there.
     pub fn sizes(&self) -> Result<Vec<u64>, VolumeError> {
         let remedy = "fetch the file again, or correct the dimensions in its header";
-        let Some(axes) = usize::try_from(self.dim[0]).ok().filter(|axes| (1..=7).contains(axes)) else {
-            return Err(bad(format!("the header says {} axes; there are 1 to 7", self.dim[0]), remedy));
+        let Some(axes) = usize::try_from(self.dim[0])
+            .ok()
+            .filter(|axes| (1..=7).contains(axes))
+        else {
+            return Err(bad(
+                format!("the header says {} axes; there are 1 to 7", self.dim[0]),
+                remedy,
+            ));
         };
         let sizes = self.dim[1..=axes].iter().enumerate();
         sizes
             .map(|(axis, &size)| {
-                u64::try_from(size).map_err(|_| bad(format!("axis {} has {size} samples", axis + 1), remedy))
+                u64::try_from(size)
+                    .map_err(|_| bad(format!("axis {} has {size} samples", axis + 1), remedy))
             })
             .collect()
     }
@@ -257,9 +307,14 @@ impl Header {
 
 /// Text up to the first 0, without what cannot be shown.
 fn text(bytes: &[u8]) -> String {
-    let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
+    let end = bytes
+        .iter()
+        .position(|&byte| byte == 0)
+        .unwrap_or(bytes.len());
     let text = String::from_utf8_lossy(&bytes[..end]);
-    let shown = text.chars().filter(|letter| !letter.is_control() && *letter != '\u{fffd}');
+    let shown = text
+        .chars()
+        .filter(|letter| !letter.is_control() && *letter != '\u{fffd}');
     shown.collect::<String>().trim().to_owned()
 }
 

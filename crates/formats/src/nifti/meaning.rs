@@ -72,7 +72,9 @@ pub(super) fn tell(header: &Header, contents: &mut Contents) {
     } else if !header.intent_name.is_empty() {
         Values::Named(header.intent_name.clone())
     } else {
-        known.map_or(Values::Unknown, |(_, name)| Values::Named((*name).to_owned()))
+        known.map_or(Values::Unknown, |(_, name)| {
+            Values::Named((*name).to_owned())
+        })
     };
     let mut fact = |name: &str, value: &str| {
         if !value.is_empty() {
@@ -82,7 +84,11 @@ pub(super) fn tell(header: &Header, contents: &mut Contents) {
     fact("description", &header.description);
     let intent = known.map_or("", |(_, name)| *name);
     fact("intent", intent);
-    let code = if header.sform > 0 { header.sform } else { header.qform };
+    let code = if header.sform > 0 {
+        header.sform
+    } else {
+        header.qform
+    };
     let space = match code {
         1 => "scanner",
         2 => "aligned to another file",

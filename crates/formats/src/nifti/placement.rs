@@ -25,7 +25,8 @@ pub(super) fn grid(header: &mut Header, dims: [u32; 3]) -> Result<Grid, VolumeEr
     let [x, y, z] = [ras.matrix3.x_axis, ras.matrix3.y_axis, ras.matrix3.z_axis];
     if dims[2] == 1 && z == DVec3::ZERO && x.cross(y) != DVec3::ZERO {
         ras.matrix3 = complete_basis(&[x, y]);
-        let warning = "the map of the single slice has no third direction; taken perpendicular to the slice";
+        let warning =
+            "the map of the single slice has no third direction; taken perpendicular to the slice";
         header.warnings.push(warning.to_owned());
     }
     let lps = DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0));
@@ -53,7 +54,11 @@ fn sizes(header: &Header) -> DVec3 {
 fn by_quaternion(header: &Header) -> Result<DAffine3, VolumeError> {
     let [x, y, z] = header.quatern;
     let square = 1.0 - (x * x + y * y + z * z);
-    let w = if square.abs() < header.quatern_margin { 0.0 } else { square.sqrt() };
+    let w = if square.abs() < header.quatern_margin {
+        0.0
+    } else {
+        square.sqrt()
+    };
     if square < 0.0 && w != 0.0 {
         return Err(VolumeError::Grid(Trouble::new(
             format!("the quaternion {x} {y} {z} of qform is longer than 1"),
@@ -61,7 +66,9 @@ fn by_quaternion(header: &Header) -> Result<DAffine3, VolumeError> {
         )));
     }
     // With w rounded to 0 the length is not quite 1.
-    let turn = DMat3::from_quat(DQuat::from_xyzw(x, y, z, w) * (1.0 / (x * x + y * y + z * z + w * w).sqrt()));
+    let turn = DMat3::from_quat(
+        DQuat::from_xyzw(x, y, z, w) * (1.0 / (x * x + y * y + z * z + w * w).sqrt()),
+    );
     let mut sizes = sizes(header);
     sizes.z *= header.pixdim[0];
     Ok(DAffine3 {

@@ -43,7 +43,10 @@ pub(super) fn open<'a>(
             })?;
             let from = start.saturating_add(offset);
             if from >= input.len {
-                return Err(cut_off(format!("the array begins at byte {from} of a file of {}", input.len)));
+                return Err(cut_off(format!(
+                    "the array begins at byte {from} of a file of {}",
+                    input.len
+                )));
             }
             (from, input.len - from, base64)
         }
@@ -72,7 +75,10 @@ pub(super) fn open<'a>(
 }
 
 fn cut_off(cause: String) -> VolumeError {
-    VolumeError::DataTooShort(Trouble::new(cause, "the file is cut off, or its lengths are wrong: fetch it again"))
+    VolumeError::DataTooShort(Trouble::new(
+        cause,
+        "the file is cut off, or its lengths are wrong: fetch it again",
+    ))
 }
 
 /// What is wrong with the lengths before the bytes.
@@ -101,11 +107,19 @@ pub(super) fn stream_error(error: &io::Error, input: &Input<'_>) -> VolumeError 
     match error.kind() {
         ErrorKind::UnexpectedEof => cut_off("the bytes of the array end too early".to_owned()),
         ErrorKind::InvalidData | ErrorKind::InvalidInput => VolumeError::DataCorrupt(Trouble::new(
-            format!("the bytes of the array cannot be decoded: {error}"),
+            format!(
+                "the bytes of the array cannot be decoded: {}",
+                sentence(error)
+            ),
             "fetch the file again",
         )),
         _ => input.unreadable(error),
     }
+}
+
+/// What another crate says, as a part of a sentence.
+pub(super) fn sentence(error: &dyn std::fmt::Display) -> String {
+    error.to_string().trim_end_matches('.').to_owned()
 }
 
 fn differs(what: &str, have: u64, need: u64) -> Wrong {
@@ -113,7 +127,10 @@ fn differs(what: &str, have: u64, need: u64) -> Wrong {
     Wrong::Lengths(if have < need {
         cut_off(cause)
     } else {
-        VolumeError::DataTooLong(Trouble::new(cause, "the extent, the type or the number of components is wrong"))
+        VolumeError::DataTooLong(Trouble::new(
+            cause,
+            "the extent, the type or the number of components is wrong",
+        ))
     })
 }
 
@@ -166,7 +183,8 @@ impl<'a> Source<'a> {
         let count = number(first.get(..self.word).unwrap_or_default(), self.big_endian);
         let all = count.saturating_add(3).saturating_mul(word);
         if all > self.rest || count > need {
-            let cause = format!("the array says that it has {count} compressed blocks, more than fit");
+            let cause =
+                format!("the array says that it has {count} compressed blocks, more than fit");
             return Err(Wrong::Lengths(cut_off(cause)));
         }
         let more = self.coded_len(all) - coded.len() as u64;
@@ -187,13 +205,22 @@ impl<'a> Source<'a> {
             sizes.last = sizes.each;
         }
         let whole = count.saturating_sub(1).saturating_mul(sizes.each);
-        let have = if count == 0 { 0 } else { whole.saturating_add(sizes.last) };
+        let have = if count == 0 {
+            0
+        } else {
+            whole.saturating_add(sizes.last)
+        };
         if have != need {
             return Err(differs(" in compressed blocks", have, need));
         }
-        let packed = (0..count).fold(0_u64, |sum, block| sum.saturating_add(sizes.packed_len(block)));
+        let packed = (0..count).fold(0_u64, |sum, block| {
+            sum.saturating_add(sizes.packed_len(block))
+        });
         if packed > self.rest {
-            let cause = format!("the compressed blocks have {packed} bytes; the file has {} at most", self.rest);
+            let cause = format!(
+                "the compressed blocks have {packed} bytes; the file has {} at most",
+                self.rest
+            );
             return Err(Wrong::Lengths(cut_off(cause)));
         }
         sizes.packed = packed;
@@ -296,8 +323,13 @@ struct Sizes {
 
 impl Sizes {
     fn number(&self, index: u64) -> u64 {
-        let at = usize::try_from(index).unwrap_or(usize::MAX).saturating_mul(self.word);
-        let bytes = self.numbers.get(at..).and_then(|rest| rest.get(..self.word));
+        let at = usize::try_from(index)
+            .unwrap_or(usize::MAX)
+            .saturating_mul(self.word);
+        let bytes = self
+            .numbers
+            .get(at..)
+            .and_then(|rest| rest.get(..self.word));
         number(bytes.unwrap_or_default(), self.big_endian)
     }
 
@@ -306,7 +338,11 @@ impl Sizes {
     }
 
     fn len(&self, block: u64) -> u64 {
-        if block + 1 == self.count { self.last } else { self.each }
+        if block + 1 == self.count {
+            self.last
+        } else {
+            self.each
+        }
     }
 }
 
@@ -328,7 +364,9 @@ impl Blocks<'_> {
         (self.at, self.next) = (0, self.next + 1);
         self.block.clear();
         self.packed.clear();
-        (&mut self.stream).take(packed_len).read_to_end(&mut self.packed)?;
+        (&mut self.stream)
+            .take(packed_len)
+            .read_to_end(&mut self.packed)?;
         if (self.packed.len() as u64) < packed_len {
             return Err(ErrorKind::UnexpectedEof.into());
         }
@@ -339,7 +377,8 @@ impl Blocks<'_> {
                 if len > packed_len.saturating_mul(LZ4_RATIO) {
                     return Err(wrong(packed_len.saturating_mul(LZ4_RATIO)));
                 }
-                self.block.resize(usize::try_from(len).unwrap_or(usize::MAX), 0);
+                self.block
+                    .resize(usize::try_from(len).unwrap_or(usize::MAX), 0);
                 let decoded = lz4_flex::block::decompress_into(&self.packed, &mut self.block);
                 let have = decoded.map_err(|error| invalid(error.to_string()))?;
                 if have as u64 != len {
@@ -348,7 +387,9 @@ impl Blocks<'_> {
             }
             Compressor::Zlib | Compressor::None => {
                 let decoder = ZlibDecoder::new(self.packed.as_slice());
-                decoder.take(len.saturating_add(1)).read_to_end(&mut self.block)?;
+                decoder
+                    .take(len.saturating_add(1))
+                    .read_to_end(&mut self.block)?;
                 if self.block.len() as u64 != len {
                     return Err(wrong(self.block.len() as u64));
                 }
@@ -381,13 +422,19 @@ mod tests {
     fn letters_are_counted_without_blanks() {
         let mut text: &[u8] = b"\n  QUJD\n RA== <tail";
         let mut out = Vec::new();
-        let letters = Letters { reader: &mut text, left: letters(4) };
+        let letters = Letters {
+            reader: &mut text,
+            left: letters(4),
+        };
         { letters }.read_to_end(&mut out).unwrap();
         assert_eq!((out.as_slice(), text), (&b"QUJDRA=="[..], &b" <tail"[..]));
     }
 
     #[test]
     fn numbers_have_an_order() {
-        assert_eq!((number(&[1, 2], true), number(&[1, 2], false)), (0x102, 0x201));
+        assert_eq!(
+            (number(&[1, 2], true), number(&[1, 2], false)),
+            (0x102, 0x201)
+        );
     }
 }

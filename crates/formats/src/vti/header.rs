@@ -8,6 +8,7 @@ use quick_xml::XmlVersion;
 use quick_xml::events::{BytesStart, Event};
 use volgraph_volume::{ScalarType, Trouble, VolumeError};
 
+use super::blocks::sentence;
 use crate::input::Input;
 
 /// Most arrays in all pieces together.
@@ -96,7 +97,13 @@ impl On {
             let cells = i64::from(to) - i64::from(from);
             let samples = match self {
                 Self::Points => cells + 1,
-                Self::Cells => if cells == 0 { 1 } else { cells },
+                Self::Cells => {
+                    if cells == 0 {
+                        1
+                    } else {
+                        cells
+                    }
+                }
             };
             let fits = u32::try_from(samples).ok().filter(|&samples| samples > 0);
             *dim = fits.ok_or_else(|| {
@@ -124,7 +131,9 @@ impl Header {
 
     pub fn array(&self, piece: usize, on: On, name: &str) -> Option<&Array> {
         let arrays = &self.pieces.get(piece)?.arrays;
-        let found = arrays.iter().find(|(at, array)| *at == on && array.name == name);
+        let found = arrays
+            .iter()
+            .find(|(at, array)| *at == on && array.name == name);
         found.map(|(_, array)| array)
     }
 }
@@ -154,12 +163,18 @@ impl Array {
     /// Values per sample.
     pub fn components(&self) -> Result<u64, VolumeError> {
         let count = self.components.parse::<u32>().ok();
-        count.filter(|&count| count > 0).map(u64::from).ok_or_else(|| {
-            bad(
-                format!("the array {:?} has {:?} components", self.name, self.components),
-                "correct NumberOfComponents",
-            )
-        })
+        count
+            .filter(|&count| count > 0)
+            .map(u64::from)
+            .ok_or_else(|| {
+                bad(
+                    format!(
+                        "the array {:?} has {:?} components",
+                        self.name, self.components
+                    ),
+                    "correct NumberOfComponents",
+                )
+            })
     }
 }
 
@@ -180,7 +195,7 @@ pub(super) fn read(input: &Input<'_>) -> Result<Header, VolumeError> {
     let mut buffer = Vec::new();
     let broken = |error: &dyn std::fmt::Display, at: u64| {
         VolumeError::HeaderSyntax(Trouble::new(
-            format!("the XML cannot be read at byte {at}: {error}"),
+            format!("the XML cannot be read at byte {at}: {}", sentence(error)),
             "fetch the file again",
         ))
     };
@@ -199,17 +214,25 @@ pub(super) fn read(input: &Input<'_>) -> Result<Header, VolumeError> {
             }
             Event::End(tag) if tag.name().as_ref() == b"VTKFile" => break,
             Event::End(tag) => {
-                if matches!(tag.name().as_ref(), b"PointData" | b"CellData" | b"FieldData") {
+                if matches!(
+                    tag.name().as_ref(),
+                    b"PointData" | b"CellData" | b"FieldData"
+                ) {
                     scan.section = Section::Outside;
                 }
             }
             Event::Empty(tag) => {
                 scan.element(&tag, (0, 0))?;
-                scan.section = if tag.name().as_ref() == b"DataArray" { scan.section } else { Section::Outside };
+                scan.section = if tag.name().as_ref() == b"DataArray" {
+                    scan.section
+                } else {
+                    Section::Outside
+                };
             }
             Event::Start(tag) if tag.name().as_ref() == b"DataArray" => {
                 let from = xml.buffer_position();
-                let len = pass(&mut xml.stream(), b'<').map_err(|error| input.unreadable(&error))?;
+                let len =
+                    pass(&mut xml.stream(), b'<').map_err(|error| input.unreadable(&error))?;
                 scan.element(&tag, (from, len))?;
             }
             Event::Start(tag) if tag.name().as_ref() == b"AppendedData" => {
@@ -243,12 +266,18 @@ fn pass(stream: &mut impl BufRead, until: u8) -> std::io::Result<u64> {
 fn attribute(tag: &BytesStart<'_>, name: &str) -> Result<Option<String>, VolumeError> {
     let broken = |error: &dyn std::fmt::Display| {
         VolumeError::HeaderSyntax(Trouble::new(
-            format!("the attribute {name} cannot be read: {error}"),
+            format!("the attribute {name} cannot be read: {}", sentence(error)),
             "fetch the file again",
         ))
     };
-    let found = tag.try_get_attribute(name).map_err(|error| broken(&error))?;
-    let value = found.map(|found| found.decoded_and_normalized_value(XmlVersion::Implicit1_0, tag.decoder()).map(|text| text.into_owned()));
+    let found = tag
+        .try_get_attribute(name)
+        .map_err(|error| broken(&error))?;
+    let value = found.map(|found| {
+        found
+            .decoded_and_normalized_value(XmlVersion::Implicit1_0, tag.decoder())
+            .map(|text| text.into_owned())
+    });
     value.transpose().map_err(|error| broken(&error))
 }
 
@@ -260,13 +289,19 @@ fn numbers<T: std::str::FromStr, const N: usize>(
     let Some(text) = attribute(tag, name)? else {
         return Ok(None);
     };
-    let numbers: Vec<T> = text.split_whitespace().map_while(|word| word.parse().ok()).collect();
+    let numbers: Vec<T> = text
+        .split_whitespace()
+        .map_while(|word| word.parse().ok())
+        .collect();
     let whole = text.split_whitespace().count() == N;
     match numbers.try_into() {
         Ok(numbers) if whole => Ok(Some(numbers)),
         _ => {
             let shown: String = text.chars().take(60).collect();
-            Err(bad(format!("{name}={shown:?} are not {N} numbers that fit"), "correct the attribute"))
+            Err(bad(
+                format!("{name}={shown:?} are not {N} numbers that fit"),
+                "correct the attribute",
+            ))
         }
     }
 }
@@ -307,10 +342,12 @@ impl Scan<'_, '_> {
                 self.image = true;
                 self.header.extent = extent(tag, "WholeExtent")?;
                 self.header.origin = DVec3::from_array(numbers(tag, "Origin")?.unwrap_or([0.0; 3]));
-                self.header.spacing = DVec3::from_array(numbers(tag, "Spacing")?.unwrap_or([1.0; 3]));
+                self.header.spacing =
+                    DVec3::from_array(numbers(tag, "Spacing")?.unwrap_or([1.0; 3]));
                 let rows: Option<[f64; 9]> = numbers(tag, "Direction")?;
-                self.header.direction =
-                    rows.map_or(DMat3::IDENTITY, |rows| DMat3::from_cols_array(&rows).transpose());
+                self.header.direction = rows.map_or(DMat3::IDENTITY, |rows| {
+                    DMat3::from_cols_array(&rows).transpose()
+                });
                 Ok(())
             }
             b"Piece" => {
@@ -334,26 +371,44 @@ impl Scan<'_, '_> {
 
     fn file(&mut self, tag: &BytesStart<'_>) -> Result<(), VolumeError> {
         let get = |name: &str| Ok(attribute(tag, name)?.unwrap_or_default());
-        let unsupported = |cause: String, remedy: &str| Err(VolumeError::Unsupported(Trouble::new(cause, remedy)));
+        let unsupported = |cause: String, remedy: &str| {
+            Err(VolumeError::Unsupported(Trouble::new(cause, remedy)))
+        };
         let kind: String = get("type")?;
         if kind == "PImageData" {
-            return unsupported("the file only lists other files (PImageData)".to_owned(), "give one of the .vti files it names, or save the image as one");
+            return unsupported(
+                "the file only lists other files (PImageData)".to_owned(),
+                "give one of the .vti files it names, or save the image as one",
+            );
         }
         if kind != "ImageData" {
             let kind: String = kind.chars().take(40).collect();
-            return unsupported(format!("the VTK file holds {kind:?}, not ImageData"), "resample it to an image (ParaView: Resample To Image) and save that as .vti");
+            return unsupported(
+                format!("the VTK file holds {kind:?}, not ImageData"),
+                "resample it to an image (ParaView: Resample To Image) and save that as .vti",
+            );
         }
         self.header.version = get("version")?.chars().take(20).collect();
         let coding = &mut self.header.coding;
         coding.big_endian = match get("byte_order")?.as_str() {
             "BigEndian" => true,
             "LittleEndian" | "" => false,
-            other => return Err(bad(format!("byte_order={other:?}"), "write LittleEndian or BigEndian")),
+            other => {
+                return Err(bad(
+                    format!("byte_order={other:?}"),
+                    "write LittleEndian or BigEndian",
+                ));
+            }
         };
         coding.wide = match get("header_type")?.as_str() {
             "UInt64" => true,
             "UInt32" | "" => false,
-            other => return Err(bad(format!("header_type={other:?}"), "write UInt32 or UInt64")),
+            other => {
+                return Err(bad(
+                    format!("header_type={other:?}"),
+                    "write UInt32 or UInt64",
+                ));
+            }
         };
         coding.compressor = match get("compressor")?.as_str() {
             "" => Compressor::None,
@@ -361,7 +416,10 @@ impl Scan<'_, '_> {
             "vtkLZ4DataCompressor" => Compressor::Lz4,
             other => {
                 let other: String = other.chars().take(40).collect();
-                return unsupported(format!("the voxels are compressed by {other}"), "save the file with zlib or LZ4");
+                return unsupported(
+                    format!("the voxels are compressed by {other}"),
+                    "save the file with zlib or LZ4",
+                );
             }
         };
         Ok(())
@@ -400,7 +458,13 @@ impl Scan<'_, '_> {
         if self.section == Section::Field && name == "TimeValue" && ascii && len <= LONGEST_TIME {
             let mut text = String::new();
             // What is no text is no time; nothing depends on it.
-            if self.input.open(from)?.take(len).read_to_string(&mut text).is_ok() {
+            if self
+                .input
+                .open(from)?
+                .take(len)
+                .read_to_string(&mut text)
+                .is_ok()
+            {
                 self.header.time = Some(text.trim().to_owned()).filter(|text| !text.is_empty());
             }
         }
@@ -419,14 +483,21 @@ impl Scan<'_, '_> {
                 Place::Appended { offset }
             }
             _ if ascii => Place::Text { from, len },
-            other => return Err(bad(format!("format={other:?}"), "write ascii, binary or appended")),
+            other => {
+                return Err(bad(
+                    format!("format={other:?}"),
+                    "write ascii, binary or appended",
+                ));
+            }
         };
         let components = attribute(tag, "NumberOfComponents")?;
         let array = Array {
             name,
             kind: get("type")?,
             // VTK reads 0 as 1, and some writers leave it so.
-            components: components.filter(|text| text.trim() != "0").map_or_else(|| "1".to_owned(), |text| text.trim().to_owned()),
+            components: components
+                .filter(|text| text.trim() != "0")
+                .map_or_else(|| "1".to_owned(), |text| text.trim().to_owned()),
             place,
         };
         self.count()?;
@@ -438,7 +509,10 @@ impl Scan<'_, '_> {
 
     fn finish(self) -> Result<Header, VolumeError> {
         let missing = |what: &str, remedy: &str| {
-            Err(VolumeError::MissingField(Trouble::new(format!("the file has no {what}"), remedy)))
+            Err(VolumeError::MissingField(Trouble::new(
+                format!("the file has no {what}"),
+                remedy,
+            )))
         };
         if !self.image {
             return missing("element ImageData", "save it as VTK XML image data");

@@ -33,7 +33,9 @@ pub(super) struct Span {
 impl Span {
     fn count(&self, components: u64) -> u64 {
         let dims = self.dims.iter();
-        dims.fold(components, |product, &dim| product.saturating_mul(dim.into()))
+        dims.fold(components, |product, &dim| {
+            product.saturating_mul(dim.into())
+        })
     }
 }
 
@@ -56,7 +58,10 @@ impl Data for Pieces<'_> {
         let bytes = u128::from(self.count) * self.scalar_type.size() as u128;
         if bytes > u128::from(limits.max_bytes) || usize::try_from(bytes).is_err() {
             return Err(VolumeError::TooLarge(Trouble::new(
-                format!("{} are {bytes} bytes, more than the limit of {} bytes", self.what, limits.max_bytes),
+                format!(
+                    "{} are {bytes} bytes, more than the limit of {} bytes",
+                    self.what, limits.max_bytes
+                ),
                 "correct the extent, or raise the limit (max_bytes) if it is right",
             )));
         }
@@ -64,7 +69,11 @@ impl Data for Pieces<'_> {
         let in_pieces = counts.fold(0, u64::saturating_add);
         if in_pieces < self.count || in_pieces / MOST_SHARED > self.count {
             return Err(VolumeError::BadValue(Trouble::new(
-                format!("{} pieces have {in_pieces} values; the whole extent has {}", self.spans.len(), self.count),
+                format!(
+                    "{} pieces have {in_pieces} values; the whole extent has {}",
+                    self.spans.len(),
+                    self.count
+                ),
                 "correct the extents: the pieces must cover the whole one, and share no more than their sides",
             )));
         }
@@ -88,7 +97,8 @@ impl Pieces<'_> {
         }
         // The pieces were there, and they are as many values at least.
         let mut whole = vec![T::zeroed(); self.count as usize];
-        let mut covered = vec![false; self.dims[1] as usize * self.dims[2] as usize * self.dims[0] as usize];
+        let mut covered =
+            vec![false; self.dims[1] as usize * self.dims[2] as usize * self.dims[0] as usize];
         let width = self.components as usize;
         let [nx, ny, _] = self.dims.map(|dim| dim as usize);
         for (span, part) in self.spans.iter().zip(&parts) {
@@ -110,7 +120,12 @@ impl Pieces<'_> {
     }
 
     /// The values of one piece; `done` bytes were read before.
-    fn span<T: Element>(&self, span: &Span, done: usize, limits: &Limits) -> Result<Vec<T>, VolumeError> {
+    fn span<T: Element>(
+        &self,
+        span: &Span,
+        done: usize,
+        limits: &Limits,
+    ) -> Result<Vec<T>, VolumeError> {
         let count = span.count(self.components);
         let Ok(want) = usize::try_from(count) else {
             return Err(too_large(&self.what));
@@ -168,17 +183,25 @@ impl Pieces<'_> {
         while values.len() < want {
             let old = values.len();
             let step = (want - old).min(old.max(STEP / size_of::<T>()));
-            values.try_reserve_exact(step).map_err(|_| too_large(&self.what))?;
+            values
+                .try_reserve_exact(step)
+                .map_err(|_| too_large(&self.what))?;
             values.resize(old + step, T::zeroed());
             for block in bytemuck::cast_slice_mut::<T, u8>(&mut values[old..]).chunks_mut(STEP) {
                 let got = read_block(&mut stream, block);
                 let got = got.map_err(|error| blocks::stream_error(&error, &self.input))?;
                 if got < block.len() {
-                    return Err(blocks::stream_error(&std::io::ErrorKind::UnexpectedEof.into(), &self.input));
+                    return Err(blocks::stream_error(
+                        &std::io::ErrorKind::UnexpectedEof.into(),
+                        &self.input,
+                    ));
                 }
             }
             let total = self.count * size_of::<T>() as u64;
-            limits.report(((done + values.len() * size_of::<T>()) as u64).min(total), total);
+            limits.report(
+                ((done + values.len() * size_of::<T>()) as u64).min(total),
+                total,
+            );
         }
         Ok(values)
     }

@@ -51,7 +51,8 @@ pub fn compare(row: &Row<'_>, path: &Path) -> Result<(), String> {
     let mut wrong = Vec::new();
     let mut check = |what: &str, got: f64, want: f64, tolerance: f64| {
         // Not a number is as good as itself.
-        let same = got.to_bits() == want.to_bits() || (got - want).abs() <= tolerance * want.abs().max(1.0);
+        let same = got.to_bits() == want.to_bits()
+            || (got - want).abs() <= tolerance * want.abs().max(1.0);
         if !same {
             wrong.push(format!("{what} is {got}, not {want}"));
         }
@@ -63,7 +64,12 @@ pub fn compare(row: &Row<'_>, path: &Path) -> Result<(), String> {
     for (got, want) in columns.iter().zip(numbers::<f64>(row["columns"])) {
         check("a direction", *got, want, 1e-13);
     }
-    for (got, want) in grid.origin().to_array().iter().zip(numbers::<f64>(row["origin"])) {
+    for (got, want) in grid
+        .origin()
+        .to_array()
+        .iter()
+        .zip(numbers::<f64>(row["origin"]))
+    {
         check("the origin", *got, want, 1e-13);
     }
     let number = |column: &str| row[column].parse::<f64>().unwrap();
@@ -76,7 +82,12 @@ pub fn compare(row: &Row<'_>, path: &Path) -> Result<(), String> {
         sum += value * (i % 1009) as f64;
         i += 1;
     });
-    check("the weighted mean", sum / i as f64, number("weighted"), 1e-12);
+    check(
+        "the weighted mean",
+        sum / i as f64,
+        number("weighted"),
+        1e-12,
+    );
     for probe in row["probes"].split_whitespace() {
         let (index, value) = probe.split_once(':').unwrap();
         let got = volume.voxels().get(index.parse().unwrap());
@@ -85,18 +96,38 @@ pub fn compare(row: &Row<'_>, path: &Path) -> Result<(), String> {
     let about = volume.about();
     let step_time = about.step.as_ref().and_then(|step| step.time);
     for (what, got, want) in [
-        ("the type", volume.voxels().scalar_type().name().to_owned(), row["type"]),
-        ("the unit", about.length_unit.clone().unwrap_or_default(), row["unit"]),
-        ("the time", step_time.map_or_else(String::new, |time| format!("{time:?}")), row["step_time"]),
+        (
+            "the type",
+            volume.voxels().scalar_type().name().to_owned(),
+            row["type"],
+        ),
+        (
+            "the unit",
+            about.length_unit.clone().unwrap_or_default(),
+            row["unit"],
+        ),
+        (
+            "the time",
+            step_time.map_or_else(String::new, |time| format!("{time:?}")),
+            row["step_time"],
+        ),
     ] {
         if got != want {
             wrong.push(format!("{what} is {got:?}, not {want:?}"));
         }
     }
-    if volume.source_files().first().is_none_or(|file| file != path) {
+    if volume
+        .source_files()
+        .first()
+        .is_none_or(|file| file != path)
+    {
         wrong.push(format!("source files are {:?}", volume.source_files()));
     }
-    if wrong.is_empty() { Ok(()) } else { Err(wrong.join("; ")) }
+    if wrong.is_empty() {
+        Ok(())
+    } else {
+        Err(wrong.join("; "))
+    }
 }
 
 /// Compares all rows: those with bytes in a folder of their own, the others in the folder of test data where it is.
@@ -118,19 +149,43 @@ pub fn compare_all(table: &str) {
     if data.is_none() {
         println!("no shared test data: the files of other software were not read");
     }
-    assert!(failed.is_empty(), "{} of {}:\n{}", failed.len(), rows.len(), failed.join("\n"));
+    assert!(
+        failed.is_empty(),
+        "{} of {}:\n{}",
+        failed.len(),
+        rows.len(),
+        failed.join("\n")
+    );
 
     // The comparison sees each kind of difference.
-    let good = rows.iter().find(|row| row["outcome"] == "ok" && !row["bytes"].is_empty()).unwrap();
+    let good = rows
+        .iter()
+        .find(|row| row["outcome"] == "ok" && !row["bytes"].is_empty())
+        .unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = unpack(good, folder.path());
-    for column in ["type", "dims", "columns", "origin", "min", "max", "mean", "weighted", "probes", "unit", "step_time"] {
+    for column in [
+        "type",
+        "dims",
+        "columns",
+        "origin",
+        "min",
+        "max",
+        "mean",
+        "weighted",
+        "probes",
+        "unit",
+        "step_time",
+    ] {
         let mut row = good.clone();
-        row.insert(column, match column {
-            "type" | "unit" | "step_time" => "other",
-            "probes" => "5:-77.5",
-            _ => "-77 -78 -79 -80",
-        });
+        row.insert(
+            column,
+            match column {
+                "type" | "unit" | "step_time" => "other",
+                "probes" => "5:-77.5",
+                _ => "-77 -78 -79 -80",
+            },
+        );
         if matches!(column, "min" | "max" | "mean" | "weighted") {
             row.insert(column, "-77.5");
         }
