@@ -282,7 +282,8 @@ impl Layout {
 /// The time of each step, where the header says it.
 fn times(header: &Header, steps: u32) -> Vec<f64> {
     let step = header.pixdim[4];
-    if steps < 2 || steps > MOST_TIMES || !(step.is_finite() && step > 0.0) {
+    let told = step.is_finite() && step > 0.0;
+    if !told || !(2..=MOST_TIMES).contains(&steps) {
         return Vec::new();
     }
     let start = if header.toffset.is_finite() {

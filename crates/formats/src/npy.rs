@@ -94,10 +94,10 @@ fn header(input: &Input<'_>) -> Result<(Vec<u8>, String), VolumeError> {
         ))
     };
     let start = input.head(12)?;
-    let (length, from) = match start.get(6..12).ok_or_else(cut_off)? {
-        &[1, 0, a, b, ..] => (usize::from(u16::from_le_bytes([a, b])), 10),
-        &[2 | 3, 0, a, b, c, d] => (u32::from_le_bytes([a, b, c, d]) as usize, 12),
-        &[major, minor, ..] => {
+    let (length, from) = match *start.get(6..12).ok_or_else(cut_off)? {
+        [1, 0, a, b, ..] => (usize::from(u16::from_le_bytes([a, b])), 10),
+        [2 | 3, 0, a, b, c, d] => (u32::from_le_bytes([a, b, c, d]) as usize, 12),
+        [major, minor, ..] => {
             return Err(VolumeError::Unsupported(Trouble::new(
                 format!("version {major}.{minor} of the format is not known; 1.0 to 3.0 are"),
                 "save the array again with numpy.save",
@@ -169,7 +169,8 @@ fn check_text(text: &str) -> Result<(), VolumeError> {
     Ok(())
 }
 
-fn syntax(cause: String) -> VolumeError {
+fn syntax(cause: impl Into<String>) -> VolumeError {
+    let cause = cause.into();
     let cause: String = cause.chars().take(300).collect();
     VolumeError::HeaderSyntax(Trouble::new(cause, "save the array again with numpy.save"))
 }

@@ -1,6 +1,6 @@
 //! VTI, the ImageData of VTK's XML files, serial. Source: "VTK File Formats" and vtkXMLImageDataReader.
 //!
-//! `header` takes the elements of the file as they pass, with the places of the voxels: the text of each array is
+//! `scan` takes the elements of the file as they pass, with the places of the voxels: the text of each array is
 //! passed over, and behind `_` of the appended data nothing is parsed, for it need not be XML. The option `part`
 //! picks one array of points or cells; `blocks` decodes its bytes (text, base64, raw; zlib, LZ4) as a stream; `pieces`
 //! puts the pieces of the extent together. Values at points lie at the points, values of cells in the middle between
@@ -11,7 +11,9 @@
 
 mod blocks;
 mod header;
+mod letters;
 mod pieces;
+mod scan;
 
 use glam::{DAffine3, DMat3, DVec3};
 use volgraph_volume::{Grid, ScalarType, Trouble, Values, VolumeError};
@@ -39,7 +41,7 @@ pub(crate) fn open<'a>(
     input: &Input<'a>,
     options: &LoadOptions,
 ) -> Result<Opened<'a>, VolumeError> {
-    let header = header::read(input)?;
+    let header = scan::read(input)?;
     let (on, name) = choose(&header, options)?;
     let first = header
         .array(0, on, &name)

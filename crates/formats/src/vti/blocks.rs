@@ -7,20 +7,14 @@
 
 use std::io::{self, BufRead, ErrorKind, Read};
 
-use base64::alphabet::STANDARD;
-use base64::engine::{DecodePaddingMode, Engine as _, GeneralPurpose, GeneralPurposeConfig};
+use base64::engine::Engine as _;
 use base64::read::DecoderReader;
 use flate2::bufread::ZlibDecoder;
 use volgraph_volume::{Trouble, VolumeError};
 
 use super::header::{Coding, Compressor, Place};
+use super::letters::{BASE64, Letters, letters};
 use crate::input::Input;
-
-/// Base64 whose padding may be missing where a part of a text is decoded.
-const BASE64: GeneralPurpose = GeneralPurpose::new(
-    &STANDARD,
-    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
-);
 
 /// An LZ4 block becomes at most so many times longer.
 const LZ4_RATIO: u64 = 255;
@@ -263,49 +257,12 @@ impl<'a> Source<'a> {
     }
 }
 
-/// Letters of base64, padding with them, that so many bytes take.
-fn letters(bytes: u64) -> u64 {
-    bytes.div_ceil(3).saturating_mul(4)
-}
-
 fn number(bytes: &[u8], big_endian: bool) -> u64 {
     let add = |number: u64, byte: &u8| number << 8 | u64::from(*byte);
     if big_endian {
         bytes.iter().fold(0, add)
     } else {
         bytes.iter().rev().fold(0, add)
-    }
-}
-
-/// The letters of a text, without the blanks and line ends around them.
-struct Letters<R> {
-    reader: R,
-    left: u64,
-}
-
-impl<R: BufRead> Read for Letters<R> {
-    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        let mut done = 0;
-        while done < out.len() && self.left > 0 {
-            let buffer = self.reader.fill_buf()?;
-            if buffer.is_empty() {
-                break;
-            }
-            let mut used = 0;
-            for &byte in buffer {
-                if done == out.len() || self.left == 0 {
-                    break;
-                }
-                used += 1;
-                if !byte.is_ascii_whitespace() {
-                    out[done] = byte;
-                    done += 1;
-                    self.left -= 1;
-                }
-            }
-            self.reader.consume(used);
-        }
-        Ok(done)
     }
 }
 
@@ -417,18 +374,6 @@ impl Read for Blocks<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn letters_are_counted_without_blanks() {
-        let mut text: &[u8] = b"\n  QUJD\n RA== <tail";
-        let mut out = Vec::new();
-        let letters = Letters {
-            reader: &mut text,
-            left: letters(4),
-        };
-        { letters }.read_to_end(&mut out).unwrap();
-        assert_eq!((out.as_slice(), text), (&b"QUJDRA=="[..], &b" <tail"[..]));
-    }
 
     #[test]
     fn numbers_have_an_order() {
