@@ -2,12 +2,12 @@
 //!
 //! `scan` takes the elements of the file as they pass, with the places of the voxels: the text of each array is
 //! passed over, and behind `_` of the appended data nothing is parsed, for it need not be XML. The option `part`
-//! picks one array of points or cells; `blocks` decodes its bytes (text, base64, raw; zlib, LZ4) as a stream; `pieces`
+//! picks one array of points or cells; `blocks` decodes its bytes (text, base64, raw; zlib, LZ4, LZMA) as a stream; `pieces`
 //! puts the pieces of the extent together. Values at points lie at the points, values of cells in the middle between
 //! them. VTK does not say what its axes mean: world coordinates are taken as they are, as LPS.
 //!
 //! The crate `vtkio` is not fit for it: it allocates what the file says, does not know `Direction`, and brings a
-//! library of the system for xz. XML, base64, zlib and LZ4 have crates that are.
+//! library of the system for xz. XML, base64 and the compressors have crates that are.
 
 mod blocks;
 mod header;

@@ -89,6 +89,8 @@ fn vti_cases() -> Vec<Case> {
     let plain = || file(VTI, "binary_none.vti");
     // The first block's length, and the compressed one, of appended raw bytes.
     let start = raw().windows(2).position(|window| window == b" _").unwrap() + 2;
+    let twice = "<Piece Extent=\"0 1 0 0 0 0\"><PointData><DataArray type=\"Int8\" Name=\"a\">1 2</DataArray></PointData></Piece>";
+    let twice = format!("<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 3 0 0 0 0\">{twice}{twice}</ImageData></VTKFile>");
     let long = "0 2000000000 0 2000000000 0 2000000000";
     vec![
         ("a.vti", b"\x89PNG".to_vec(), "volume-wrong-content", "VTI"),
@@ -104,6 +106,7 @@ fn vti_cases() -> Vec<Case> {
         ("a.vti", with(&text(), "WholeExtent=\"0 4 0", "WholeExtent=\"9 4 0"), "volume-grid", "9 to 4"),
         ("a.vti", with(&text(), "WholeExtent=\"0 4 0 3 0 2", &format!("WholeExtent=\"{long}")), "volume-too-large", "2000000001"),
         ("a.vti", with(&text(), "WholeExtent=\"0 4", "WholeExtent=\"0 5"), "volume-bad-value", "cover"),
+        ("a.vti", twice.into_bytes(), "volume-bad-value", "do not cover"),
         ("a.vti", with(&text(), "Piece Extent=\"0 4", "Piece Extent=\"0 5"), "volume-bad-value", "outside"),
         ("a.vti", with(&text(), "Spacing=\"0.5", "Spacing=\"0"), "volume-grid", "zero"),
         ("a.vti", with(&text(), "Direction=\"1 0 0 0 1", "Direction=\"1 1 0 1 1"), "volume-grid", "plane"),

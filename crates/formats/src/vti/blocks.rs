@@ -10,6 +10,7 @@ use std::io::{self, BufRead, ErrorKind, Read};
 use base64::engine::Engine as _;
 use base64::read::DecoderReader;
 use flate2::bufread::ZlibDecoder;
+use lzma_rust2::XzReader;
 use volgraph_volume::{Trouble, VolumeError};
 
 use super::header::{Coding, Compressor, Place};
@@ -18,6 +19,9 @@ use crate::input::Input;
 
 /// An LZ4 block becomes at most so many times longer.
 const LZ4_RATIO: u64 = 255;
+
+/// Most memory of a decoder for LZMA: the dictionary of the highest level has 64 MiB.
+const LZMA_KIB: u32 = 66 << 10;
 
 /// The decoded bytes of an array that must have `need` of them; the stream ends behind them, or breaks.
 pub(super) fn open<'a>(
@@ -340,6 +344,15 @@ impl Blocks<'_> {
                 let have = decoded.map_err(|error| invalid(error.to_string()))?;
                 if have as u64 != len {
                     return Err(wrong(have as u64));
+                }
+            }
+            Compressor::Lzma => {
+                let decoder = XzReader::new_mem_limit(self.packed.as_slice(), false, LZMA_KIB);
+                decoder
+                    .take(len.saturating_add(1))
+                    .read_to_end(&mut self.block)?;
+                if self.block.len() as u64 != len {
+                    return Err(wrong(self.block.len() as u64));
                 }
             }
             Compressor::Zlib | Compressor::None => {

@@ -38,6 +38,8 @@ pub(super) enum Compressor {
     None,
     Zlib,
     Lz4,
+    /// In the container of xz.
+    Lzma,
 }
 
 /// What values belong to.

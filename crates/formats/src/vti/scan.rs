@@ -251,11 +251,12 @@ impl Scan<'_, '_> {
             "" => Compressor::None,
             "vtkZLibDataCompressor" => Compressor::Zlib,
             "vtkLZ4DataCompressor" => Compressor::Lz4,
+            "vtkLZMADataCompressor" => Compressor::Lzma,
             other => {
                 let other: String = other.chars().take(40).collect();
                 return unsupported(
                     format!("the voxels are compressed by {other}"),
-                    "save the file with zlib or LZ4",
+                    "save the file with zlib, LZ4 or LZMA",
                 );
             }
         };
