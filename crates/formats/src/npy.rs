@@ -171,7 +171,7 @@ fn check_text(text: &str) -> Result<(), VolumeError> {
 
 fn syntax(cause: impl Into<String>) -> VolumeError {
     let cause = cause.into();
-    let cause: String = cause.chars().take(300).collect();
+    let cause: String = cause.trim_end_matches('.').chars().take(300).collect();
     VolumeError::HeaderSyntax(Trouble::new(cause, "save the array again with numpy.save"))
 }
 
