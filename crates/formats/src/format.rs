@@ -12,7 +12,7 @@ use volgraph_volume::{Trouble, VolumeError};
 use crate::contents::Opened;
 use crate::input::Input;
 use crate::load::LoadOptions;
-use crate::{dicom, metaimage, nrrd, raw, stack, tiff};
+use crate::{dicom, metaimage, nifti, npy, nrrd, raw, stack, tiff, vti};
 
 /// Bytes that are looked at to recognise a format.
 const HEAD: u64 = 1024;
@@ -116,6 +116,27 @@ pub(crate) const FORMATS: &[Format] = &[
         recognises: |head| stack::is_jpeg(&head.bytes),
         opens: Opens::Slices(stack::open_jpeg),
     },
+    Format {
+        name: "NIfTI",
+        endings: &[".nii", ".nii.gz"],
+        begins: "its size, 348 or 540, and has n+1, ni1, n+2 or ni2",
+        recognises: nifti::is_nifti,
+        opens: Opens::One(nifti::open),
+    },
+    Format {
+        name: "VTI",
+        endings: &[".vti"],
+        begins: "<VTKFile type=\"ImageData\"",
+        recognises: |head| vti::is_vti(&head.bytes),
+        opens: Opens::One(vti::open),
+    },
+    Format {
+        name: "NumPy",
+        endings: &[".npy"],
+        begins: "\\x93NUMPY",
+        recognises: |head| npy::is_npy(&head.bytes),
+        opens: Opens::One(npy::open),
+    },
 ];
 
 /// The format of a file by its content.
@@ -145,6 +166,10 @@ pub(crate) fn open_file<'a>(
             Opens::One(open) => open(input, options),
             Opens::Slices(open) => open(std::slice::from_ref(input), options),
         };
+    }
+    // The voxels of a pair: its header says what they are.
+    if let Some(header) = nifti::header_of(input, &head) {
+        return nifti::open(&header, options);
     }
     let looks_like = sniff(&head.bytes);
     let promised = FORMATS

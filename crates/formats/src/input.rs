@@ -38,6 +38,11 @@ impl<'a> Input<'a> {
         }
     }
 
+    /// Whether there are only bytes in memory, with no files beside them.
+    pub fn is_memory(&self) -> bool {
+        self.bytes.is_some()
+    }
+
     /// A data file that this header names, relative to the header's folder.
     pub fn data_file(&self, name: &str) -> Result<Self, VolumeError> {
         let header = self.path.display();

@@ -21,6 +21,8 @@ mod format;
 mod input;
 mod load;
 pub mod metaimage;
+mod nifti;
+mod npy;
 pub mod nrrd;
 mod pick;
 mod piece;
@@ -33,6 +35,7 @@ mod stack;
 mod stream;
 mod text_data;
 mod tiff;
+mod vti;
 
 pub use data_files::DataFiles;
 pub use format::is_volume;

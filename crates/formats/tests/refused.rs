@@ -85,7 +85,7 @@ fn raw_cases(full: &[u8]) -> Vec<Case> {
         case("text_4x4x4_int16.raw", "dear reader, this is text", "volume-data-too-short", 0),
         case("empty_4x4x4_int16.raw", "", "volume-data-too-short", 0),
         case("notes.txt", "dear reader", "volume-unknown-format", 0),
-        case("brain.nii", b"\x5c\x01\0\0 and more".as_slice(), "volume-unknown-format", 0),
+        case("brain.nii", b"\x5c\x01\0\0 and more".as_slice(), "volume-data-too-short", 0),
     ]
 }
 

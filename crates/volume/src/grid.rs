@@ -53,15 +53,16 @@ impl Grid {
         if !self.world_from_index.is_finite() || !spacing.is_finite() {
             return refuse(
                 format!(
-                    "the placement is not finite: spacing {spacing}, origin {}",
-                    self.origin()
+                    "the placement is not finite: spacing {:?}, origin {:?}",
+                    spacing.to_array(),
+                    self.origin().to_array()
                 ),
                 "give finite spacing, directions and origin",
             );
         }
         if spacing.min_element() <= 0.0 {
             return refuse(
-                format!("the spacing {spacing} has a zero"),
+                format!("the spacing {:?} has a zero", spacing.to_array()),
                 "give each axis a spacing other than zero",
             );
         }
@@ -74,7 +75,10 @@ impl Grid {
         let determinant = unit.determinant().abs();
         if determinant.is_nan() || determinant < SMALLEST_DETERMINANT {
             return refuse(
-                format!("the axes {unit} lie in one plane (determinant {determinant:e})"),
+                format!(
+                    "the axes {:?} lie in one plane (determinant {determinant:e})",
+                    unit.to_cols_array_2d()
+                ),
                 "give three independent directions",
             );
         }

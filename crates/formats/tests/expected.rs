@@ -1,0 +1,27 @@
+//! NIfTI, VTI and NumPy against what nibabel, VTK and NumPy read (`make_expected_nifti_vti_npy.py`).
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod common;
+
+use common::expected::compare_all;
+
+#[test]
+fn nifti_reads_as_nibabel_reads_it() {
+    if !compare_all(include_str!("expected_nifti.tsv")) {
+        println!("no shared test data: the files of other software were not read");
+    }
+}
+
+#[test]
+fn vti_reads_as_vtk_reads_it() {
+    if !compare_all(include_str!("expected_vti.tsv")) {
+        println!("no shared test data: the files of other software were not read");
+    }
+}
+
+#[test]
+fn npy_reads_as_numpy_reads_it() {
+    if !compare_all(include_str!("expected_npy.tsv")) {
+        println!("no shared test data: the files of other software were not read");
+    }
+}
