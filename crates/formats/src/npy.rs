@@ -5,7 +5,7 @@
 //! spacing nor place: voxels are cubes of length 1, the first one at the origin.
 //!
 //! The crate `npyz` parses the header, a Python literal. It multiplies the sizes unchecked, allocates what the length
-//! of the header says, and its parser takes exponential time over nested brackets; so [`header_text`] lets pass only
+//! of the header says, and its parser takes exponential time over nested brackets; so `check_text` lets pass only
 //! what NumPy writes for plain arrays. The voxels come through a [`Stored`].
 
 use std::io::Read as _;
