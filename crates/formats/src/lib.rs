@@ -29,9 +29,12 @@ mod rescale;
 mod series;
 mod stream;
 mod text_data;
+mod write;
+pub mod zarr;
 
 pub use data_files::DataFiles;
 pub use load::{LoadOptions, Progress, from_bytes, load};
 pub use piece::Encoding;
 pub use raw::{RawName, parse_raw_name};
 pub use reader::VolumeReader;
+pub use write::{Compression, FileFormat, WriteOptions, Written, write};
