@@ -23,7 +23,6 @@ const MOST_AXES: usize = 16;
 #[derive(Debug)]
 pub(super) enum Node {
     Group {
-        version: u8,
         attributes: Map<String, Value>,
     },
     Array(Box<Meta>),
@@ -127,7 +126,6 @@ pub(super) fn node(folder: &Path) -> Result<Option<Node>, VolumeError> {
     }
     if [".zgroup", ".zattrs"].iter().any(|name| folder.join(name).is_file()) {
         return Ok(Some(Node::Group {
-            version: 2,
             attributes: attributes(Map::new())?,
         }));
     }
@@ -173,7 +171,6 @@ fn of_v3(value: Value, file: &Path) -> Result<Node, VolumeError> {
     if value.get("node_type").and_then(Value::as_str) == Some("group") {
         let group: GroupMetadataV3 = serde_json::from_value(value).map_err(|error| syntax(&error))?;
         return Ok(Node::Group {
-            version: 3,
             attributes: group.attributes,
         });
     }
