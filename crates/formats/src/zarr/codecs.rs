@@ -125,6 +125,22 @@ fn unblosc(bytes: &[u8], most: usize) -> Result<Vec<u8>, VolumeError> {
             bytes.len()
         )));
     }
+    let mut out = decompress(bytes, len)?;
+    // Blosc 1 leaves blocks as they are whose elements are no multiple of 8; the decoder shuffles what it can of
+    // them, as Blosc 2 does. Without the flag it leaves all blocks: these are taken from there.
+    let (format, flags, element) = (bytes[0], bytes[2], usize::from(bytes[3]).max(1));
+    let left = |block: &[u8]| (block.len() / element) % 8 != 0;
+    if format <= 2 && flags & 4 != 0 && !memory_copy && len > 0 && out.chunks(block).any(left) {
+        let mut plain = bytes.to_vec();
+        plain[2] &= !4;
+        let plain = decompress(&plain, len)?;
+        let blocks = out.chunks_mut(block).zip(plain.chunks(block));
+        blocks.filter(|(_, plain)| left(plain)).for_each(|(out, plain)| out.copy_from_slice(plain));
+    }
+    Ok(out)
+}
+
+fn decompress(bytes: &[u8], len: usize) -> Result<Vec<u8>, VolumeError> {
     let mut out = Vec::new();
     if out.try_reserve_exact(len).is_err() {
         return Err(broken("memory does not hold the chunk"));
