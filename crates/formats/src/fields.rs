@@ -4,7 +4,6 @@ use std::str::FromStr;
 
 use volgraph_volume::{Trouble, VolumeError};
 
-
 /// Most bytes of a header; a longer one is no header.
 pub(crate) const LONGEST_HEADER: u64 = 4 << 20;
 

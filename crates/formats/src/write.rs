@@ -125,10 +125,17 @@ pub fn write(volume: &Volume, path: &Path, options: &WriteOptions) -> Result<Wri
     let written = || {
         let format = options.format.or_else(|| FileFormat::of_name(path));
         let Some(format) = format else {
-            let endings: Vec<&str> = FileFormat::ALL.iter().flat_map(|(_, endings)| *endings).copied().collect();
+            let endings: Vec<&str> = FileFormat::ALL
+                .iter()
+                .flat_map(|(_, endings)| *endings)
+                .copied()
+                .collect();
             return Err(VolumeError::Write(Trouble::new(
                 "the name's ending tells no format that is written",
-                format!("end it in one of {}, or name the format", endings.join(", ")),
+                format!(
+                    "end it in one of {}, or name the format",
+                    endings.join(", ")
+                ),
             )));
         };
         check_packing(format, options.compression)?;
@@ -153,10 +160,9 @@ fn check_packing(format: FileFormat, compression: Option<Compression>) -> Result
         Some(Compression::Gzip(level)) if level > 9 => {
             refuse("deflate has no level past 9", "give a level of 0 to 9")
         }
-        Some(Compression::Zstd(level)) if !(1..=22).contains(&level) => refuse(
-            "Zstandard has levels of 1 to 22",
-            "give a level of 1 to 22",
-        ),
+        Some(Compression::Zstd(level)) if !(1..=22).contains(&level) => {
+            refuse("Zstandard has levels of 1 to 22", "give a level of 1 to 22")
+        }
         Some(Compression::Zstd(_)) if format != FileFormat::Zarr => refuse(
             "this format has no Zstandard compression",
             "use gzip, or write OME-Zarr",
@@ -190,7 +196,8 @@ fn beside(path: &Path, ending: &str) -> PathBuf {
 
 const NO_NODES: &str = "the format cannot say that samples lie on nodes: the box reads as half a voxel larger on each side";
 const NO_COLORS: &str = "the format has no colours: the scalars were written";
-const NO_PLACE: &str = "the format has no placement: spacing, origin and directions are not in the file";
+const NO_PLACE: &str =
+    "the format has no placement: spacing, origin and directions are not in the file";
 
 /// Whether a placement says more than the default one.
 fn placed(volume: &Volume) -> bool {

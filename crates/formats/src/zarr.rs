@@ -2,17 +2,20 @@
 //!
 //! A folder with `zarr.json`, `.zgroup` or `.zarray` is one thing: `parts` finds its images and arrays and takes the
 //! one that is asked for; `image` makes axes and placement of it; `array` reads boxes of voxels out of chunks, with
-//! the bounds on what they may be in `codecs`. Level and time step are read alone. [`Pyramid`] is the way in for
+//! `run` brings them in, with the bounds on what they may be in `codecs` and `packed`. Level and time step are read alone. [`Pyramid`] is the way in for
 //! who wants single boxes of several levels.
 //! Source: <https://zarr-specs.readthedocs.io/>, <https://ngff.openmicroscopy.org/0.5/>.
 
 mod array;
 mod codecs;
+mod element;
 mod image;
 mod metadata;
 mod ome;
+mod packed;
 mod parts;
 mod pyramid;
+mod run;
 
 use std::path::{Path, PathBuf};
 
@@ -38,8 +41,14 @@ pub(crate) fn folder(path: &Path) -> Option<PathBuf> {
         return is_zarr(path).then(|| path.to_path_buf());
     }
     let name = path.file_name()?.to_str()?;
-    let parent = path.parent().filter(|_| MARKS.contains(&name) && path.is_file())?;
-    Some(if parent.as_os_str().is_empty() { ".".into() } else { parent.to_path_buf() })
+    let parent = path
+        .parent()
+        .filter(|_| MARKS.contains(&name) && path.is_file())?;
+    Some(if parent.as_os_str().is_empty() {
+        ".".into()
+    } else {
+        parent.to_path_buf()
+    })
 }
 
 /// Opens one level of what the options name.

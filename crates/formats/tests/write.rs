@@ -13,9 +13,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use glam::{DAffine3, DMat3, DVec3, dvec3};
-use volgraph_formats::{Compression, LoadOptions, WriteOptions, Written, load, write};
+use volgraph_formats::{Compression, FileFormat, LoadOptions, WriteOptions, Written, load, write};
 use volgraph_volume::edit::{Filter, Target, Watch, resample};
-use volgraph_volume::{About, Component, Grid, ScalarType, Values, Volume, Voxels, for_scalar_type};
+use volgraph_volume::{
+    About, Component, Grid, ScalarType, Values, Volume, Voxels, for_scalar_type,
+};
 
 const DIMS: [u32; 3] = [7, 5, 3];
 
@@ -61,7 +63,11 @@ fn read(path: &Path) -> Volume {
 }
 
 fn close(a: &Grid, b: &Grid, tolerance: f64) -> bool {
-    let pairs = a.world_from_index.to_cols_array().into_iter().zip(b.world_from_index.to_cols_array());
+    let pairs = a
+        .world_from_index
+        .to_cols_array()
+        .into_iter()
+        .zip(b.world_from_index.to_cols_array());
     a.dims == b.dims && pairs.into_iter().all(|(a, b)| (a - b).abs() <= tolerance)
 }
 
@@ -79,11 +85,26 @@ fn every_type_and_placement_comes_back() {
             }
             let volume = Volume::new("v", grid, samples(ty)).unwrap();
             let stem = format!("{name}_{ty}");
-            for ending in [".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".npy", ".zarr"] {
+            for ending in [
+                ".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", "_2.nii", ".npy", ".zarr",
+            ] {
                 let path = folder.join(format!("{}{stem}{ending}", ending.replace('.', "")));
-                put(&volume, &path);
-                let affine = grid.world_from_index.to_cols_array().map(|value| value.to_string()).join(" ");
-                let data: String = volume.voxels().as_bytes().iter().map(|byte| format!("{byte:02x}")).collect();
+                let options = WriteOptions {
+                    format: (ending == "_2.nii").then_some(FileFormat::Nifti2),
+                    ..WriteOptions::default()
+                };
+                write(&volume, &path, &options).unwrap();
+                let affine = grid
+                    .world_from_index
+                    .to_cols_array()
+                    .map(|value| value.to_string())
+                    .join(" ");
+                let data: String = volume
+                    .voxels()
+                    .as_bytes()
+                    .iter()
+                    .map(|byte| format!("{byte:02x}"))
+                    .collect();
                 let file = path.file_name().unwrap().to_string_lossy();
                 writeln!(list, "{file}\t{ty}\t{affine}\t{data}").unwrap();
                 // Readers of the others are not here.
@@ -93,8 +114,16 @@ fn every_type_and_placement_comes_back() {
                 let back = read(&path);
                 assert_eq!(back.voxels(), volume.voxels(), "{path:?}");
                 // MetaImage has directions and spacing apart: their product may differ in the last digit.
-                let tolerance = if ending.starts_with(".mh") { 1e-15 } else { 0.0 };
-                assert!(close(back.grid(), &grid, tolerance), "{path:?}: {:?}", back.grid());
+                let tolerance = if ending.starts_with(".mh") {
+                    1e-15
+                } else {
+                    0.0
+                };
+                assert!(
+                    close(back.grid(), &grid, tolerance),
+                    "{path:?}: {:?}",
+                    back.grid()
+                );
             }
             let path = folder.join(format!("{name}_7x5x3_{ty}.raw"));
             put(&volume, &path);
@@ -137,7 +166,12 @@ fn packed_files_come_back() {
         assert_eq!(read(&path).voxels(), volume.voxels(), "{name}");
     }
     let leftover = fs::read_dir(folder.path()).unwrap().filter(|entry| {
-        entry.as_ref().unwrap().file_name().to_string_lossy().starts_with('.')
+        entry
+            .as_ref()
+            .unwrap()
+            .file_name()
+            .to_string_lossy()
+            .starts_with('.')
     });
     assert_eq!(leftover.count(), 0);
 }
@@ -185,7 +219,9 @@ fn colours_labels_units_and_nodes_are_kept_where_they_can_be() {
         values: Values::Labels(names),
         ..About::default()
     };
-    let labels = Volume::new("v", grid, samples(ScalarType::U8)).unwrap().with_about(about.clone());
+    let labels = Volume::new("v", grid, samples(ScalarType::U8))
+        .unwrap()
+        .with_about(about.clone());
     for ending in ["nrrd", "zarr"] {
         let path = folder.path().join(format!("labels.{ending}"));
         put(&labels, &path);
@@ -196,9 +232,15 @@ fn colours_labels_units_and_nodes_are_kept_where_they_can_be() {
     }
     for ending in ["mha", "nii", "npy"] {
         let written = put(&labels, &folder.path().join(format!("labels.{ending}")));
-        assert!(written.warnings.iter().any(|text| text.contains("nodes")), "{ending}");
+        assert!(
+            written.warnings.iter().any(|text| text.contains("nodes")),
+            "{ending}"
+        );
     }
-    let colored = Volume::new("v", grid, samples(ScalarType::U8)).unwrap().with_colors(colors.clone()).unwrap();
+    let colored = Volume::new("v", grid, samples(ScalarType::U8))
+        .unwrap()
+        .with_colors(colors.clone())
+        .unwrap();
     for ending in ["nrrd", "mha", "zarr"] {
         let path = folder.path().join(format!("colors.{ending}"));
         put(&colored, &path);
@@ -206,7 +248,11 @@ fn colours_labels_units_and_nodes_are_kept_where_they_can_be() {
             component: Some(Component::Color),
             ..LoadOptions::default()
         };
-        assert_eq!(load(&path, &options).unwrap().colors().unwrap(), colors, "{ending}");
+        assert_eq!(
+            load(&path, &options).unwrap().colors().unwrap(),
+            colors,
+            "{ending}"
+        );
     }
     let raw = put(&colored, &folder.path().join("c_7x5x3_uint8.raw"));
     assert!(raw.warnings.iter().any(|text| text.contains("colours")));
@@ -233,22 +279,40 @@ fn nothing_is_written_over_or_left_behind() {
     let mine = folder.path().join("mine.zarr");
     fs::create_dir(&mine).unwrap();
     fs::write(mine.join("thesis.txt"), "years").unwrap();
-    assert_eq!(write(&volume, &mine, &over).unwrap_err().code(), "volume-write");
+    assert_eq!(
+        write(&volume, &mine, &over).unwrap_err().code(),
+        "volume-write"
+    );
     assert!(mine.join("thesis.txt").is_file());
     // The data file of a detached header is somebody's, too.
     fs::write(folder.path().join("c.raw"), "mine").unwrap();
-    let error = write(&volume, &folder.path().join("c.nhdr"), &WriteOptions::default()).unwrap_err();
+    let error = write(
+        &volume,
+        &folder.path().join("c.nhdr"),
+        &WriteOptions::default(),
+    )
+    .unwrap_err();
     assert_eq!(error.code(), "volume-write");
 
     let before = fs::read_dir(folder.path()).unwrap().count();
-    for name in ["i.nrrd", "i.nhdr", "i.mha", "i.nii.gz", "i.npy", "i_7x5x3_int16.raw", "i.zarr"] {
+    for name in [
+        "i.nrrd",
+        "i.nhdr",
+        "i.mha",
+        "i.nii.gz",
+        "i.npy",
+        "i_7x5x3_int16.raw",
+        "i.zarr",
+    ] {
         let stop = Arc::new(AtomicBool::new(false));
         let on_progress = stop.clone();
         let options = WriteOptions {
             chunk: [2; 3],
             watch: Watch {
                 // From the first block on.
-                progress: Some(Arc::new(move |_, _| on_progress.store(true, Ordering::Relaxed))),
+                progress: Some(Arc::new(move |_, _| {
+                    on_progress.store(true, Ordering::Relaxed);
+                })),
                 interrupt: Some(stop),
             },
             ..WriteOptions::default()
@@ -299,7 +363,11 @@ fn names_and_options_that_do_not_fit_are_refused() {
         ("a_7x5x4_int16.raw", None, "volume-raw-name"),
         ("a_7x5x3_uint16.raw", None, "volume-raw-name"),
         ("a_7x5x3_int16_be.raw", None, "volume-raw-name"),
-        ("a_7x5x3_int16.raw", Some(Compression::Gzip(6)), "volume-raw-name"),
+        (
+            "a_7x5x3_int16.raw",
+            Some(Compression::Gzip(6)),
+            "volume-raw-name",
+        ),
         ("a.nii", Some(Compression::Gzip(6)), "volume-write"),
         ("a.nii.gz", Some(Compression::None), "volume-write"),
         ("a.npy", Some(Compression::Gzip(6)), "volume-write"),

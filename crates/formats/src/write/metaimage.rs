@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use glam::DVec3;
 use volgraph_volume::{ScalarType, Volume, VolumeError};
 
 use super::target::{Packing, Source, TempFile, check};
@@ -10,7 +11,11 @@ use super::{NO_NODES, WriteOptions, Written, beside, deflate_level, ends_with};
 /// Digits of a number that is known only at the end.
 const DIGITS: usize = 20;
 
-pub(super) fn write(volume: &Volume, path: &Path, options: &WriteOptions) -> Result<Written, VolumeError> {
+pub(super) fn write(
+    volume: &Volume,
+    path: &Path,
+    options: &WriteOptions,
+) -> Result<Written, VolumeError> {
     let source = Source::colored(volume);
     let level = deflate_level(path, options);
     let packing = level.map_or(Packing::None, Packing::Zlib);
@@ -29,7 +34,11 @@ pub(super) fn write(volume: &Volume, path: &Path, options: &WriteOptions) -> Res
     let name = data.file_name().unwrap_or_default().to_string_lossy();
     head.push_str(&format!(
         "ElementType = {}\nElementDataFile = {}\n",
-        type_name(if source.colors { ScalarType::U8 } else { volume.voxels().scalar_type() }),
+        type_name(if source.colors {
+            ScalarType::U8
+        } else {
+            volume.voxels().scalar_type()
+        }),
         if detached { &*name } else { "LOCAL" },
     ));
     let mut written = Written::default();
@@ -67,16 +76,24 @@ fn header(volume: &Volume, colors: bool) -> String {
     let grid = volume.grid();
     let spacing = grid.spacing();
     let matrix = grid.world_from_index.matrix3;
-    let directions = [matrix.x_axis / spacing.x, matrix.y_axis / spacing.y, matrix.z_axis / spacing.z];
+    let directions = [
+        matrix.x_axis / spacing.x,
+        matrix.y_axis / spacing.y,
+        matrix.z_axis / spacing.z,
+    ];
     // The reader multiplies direction and spacing; an axis along the world's is exact that way.
     let directions: Vec<String> = directions
         .iter()
-        .flat_map(|direction| direction.to_array())
+        .flat_map(DVec3::to_array)
         .map(|value| value.to_string())
         .collect();
     let origin = grid.origin();
     let [nx, ny, nz] = grid.dims;
-    let channels = if colors { "ElementNumberOfChannels = 4\n" } else { "" };
+    let channels = if colors {
+        "ElementNumberOfChannels = 4\n"
+    } else {
+        ""
+    };
     format!(
         "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n\
          TransformMatrix = {}\nOffset = {} {} {}\nElementSpacing = {} {} {}\nDimSize = {nx} {ny} {nz}\n{channels}",

@@ -99,13 +99,19 @@ impl Place {
             }
             ([turn.x, turn.y, turn.z].map(|value| value + 0.0), sign)
         });
-        Self { spacing, rows, turn }
+        Self {
+            spacing,
+            rows,
+            turn,
+        }
     }
 
     /// The largest change by float32.
     fn rounding(&self) -> f64 {
         let values = self.rows.as_flattened().iter();
-        values.map(|&value| (f64::from(value as f32) - value).abs()).fold(0.0, f64::max)
+        values
+            .map(|&value| (f64::from(value as f32) - value).abs())
+            .fold(0.0, f64::max)
     }
 }
 
@@ -173,10 +179,14 @@ impl Bytes {
         self.0.extend(value.to_le_bytes());
     }
     fn f32s(&mut self, values: &[f64]) {
-        values.iter().for_each(|&value| self.0.extend((value as f32).to_le_bytes()));
+        values
+            .iter()
+            .for_each(|&value| self.0.extend((value as f32).to_le_bytes()));
     }
     fn f64s(&mut self, values: &[f64]) {
-        values.iter().for_each(|value| self.0.extend(value.to_le_bytes()));
+        values
+            .iter()
+            .for_each(|value| self.0.extend(value.to_le_bytes()));
     }
     fn zeros(&mut self, count: usize) {
         self.0.resize(self.0.len() + count, 0);
@@ -193,7 +203,11 @@ fn header_1(volume: &Volume, colors: bool, place: &Place) -> Vec<u8> {
     out.u8(0);
     out.i16(3);
     // They fit, or this were NIfTI-2.
-    volume.grid().dims.iter().for_each(|&n| out.i16(i16::try_from(n).unwrap_or(i16::MAX)));
+    volume
+        .grid()
+        .dims
+        .iter()
+        .for_each(|&n| out.i16(i16::try_from(n).unwrap_or(i16::MAX)));
     (0..4).for_each(|_| out.i16(1));
     out.zeros(12);
     out.i16(intent(volume));

@@ -9,7 +9,11 @@ use volgraph_volume::{ScalarType, Values, Volume, VolumeError};
 use super::target::{Packing, Source, TempFile};
 use super::{WriteOptions, Written, beside, deflate_level, ends_with};
 
-pub(super) fn write(volume: &Volume, path: &Path, options: &WriteOptions) -> Result<Written, VolumeError> {
+pub(super) fn write(
+    volume: &Volume,
+    path: &Path,
+    options: &WriteOptions,
+) -> Result<Written, VolumeError> {
     let source = Source::colored(volume);
     let level = deflate_level(path, options);
     let detached = ends_with(path, ".nhdr");
@@ -45,11 +49,29 @@ fn header(volume: &Volume, colors: bool, packed: bool) -> String {
     let [nx, ny, nz] = grid.dims;
     let matrix = grid.world_from_index.matrix3;
     let vector = |v: DVec3| format!("({},{},{})", v.x, v.y, v.z);
-    let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(vector).join(" ");
+    let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis]
+        .map(vector)
+        .join(" ");
     let centring = if grid.node_centred { "node" } else { "cell" };
-    let ty = if colors { ScalarType::U8 } else { volume.voxels().scalar_type() };
+    let ty = if colors {
+        ScalarType::U8
+    } else {
+        volume.voxels().scalar_type()
+    };
+    // The format's own words, which have no number of bits where it is a float.
+    let ty = match ty {
+        ScalarType::F32 => "float",
+        ScalarType::F64 => "double",
+        _ => ty.name(),
+    };
     // What stands before the three axes of space where there are colours.
-    let first = |word: &str| if colors { format!("{word} ") } else { String::new() };
+    let first = |word: &str| {
+        if colors {
+            format!("{word} ")
+        } else {
+            String::new()
+        }
+    };
     let mut text = format!(
         "NRRD0005\n# written by volgraph\ntype: {ty}\ndimension: {}\nspace: left-posterior-superior\n\
          sizes: {}{nx} {ny} {nz}\nspace directions: {}{columns}\nspace origin: {}\n\
@@ -71,7 +93,10 @@ fn header(volume: &Volume, colors: bool, packed: bool) -> String {
     if let Values::Labels(names) = &about.values {
         for (number, (label, name)) in names.iter().enumerate() {
             let name = if plain(name) { name.as_str() } else { "" };
-            let _ = writeln!(text, "Segment{number}_LabelValue:={label}\nSegment{number}_Name:={name}");
+            let _ = writeln!(
+                text,
+                "Segment{number}_LabelValue:={label}\nSegment{number}_Name:={name}"
+            );
         }
     }
     text

@@ -5,11 +5,17 @@ use std::path::Path;
 use volgraph_volume::{ScalarType, Trouble, Volume, VolumeError};
 
 use super::target::{Packing, Source, TempFile};
-use super::{NO_COLORS, NO_NODES, NO_PLACE, WriteOptions, Written, deflate_level, ends_with, placed};
+use super::{
+    NO_COLORS, NO_NODES, NO_PLACE, WriteOptions, Written, deflate_level, ends_with, placed,
+};
 use crate::raw::parse_raw_name;
 
 /// Plain voxels; the name must describe them, for nothing else does.
-pub(super) fn write_raw(volume: &Volume, path: &Path, options: &WriteOptions) -> Result<Written, VolumeError> {
+pub(super) fn write_raw(
+    volume: &Volume,
+    path: &Path,
+    options: &WriteOptions,
+) -> Result<Written, VolumeError> {
     let level = deflate_level(path, options);
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let [nx, ny, nz] = volume.grid().dims;
@@ -21,10 +27,11 @@ pub(super) fn write_raw(volume: &Volume, path: &Path, options: &WriteOptions) ->
             format!("name it {}_{nx}x{ny}x{nz}_{ty}.raw{packed}", volume.name()),
         ))
     };
-    let said = parse_raw_name(&name)
-        .map_err(|error| right(error.trouble().cause.clone()))?;
+    let said = parse_raw_name(&name).map_err(|error| right(error.trouble().cause.clone()))?;
     if said.dims != volume.grid().dims || said.scalar_type != ty {
-        return Err(right(format!("the name {name:?} does not describe {nx}x{ny}x{nz} {ty}")));
+        return Err(right(format!(
+            "the name {name:?} does not describe {nx}x{ny}x{nz} {ty}"
+        )));
     }
     if said.big_endian == Some(true) {
         return Err(right("raw voxels are written little-endian".to_owned()));
@@ -42,7 +49,11 @@ pub(super) fn write_raw(volume: &Volume, path: &Path, options: &WriteOptions) ->
         written.warnings.push(NO_COLORS.to_owned());
     }
     let mut file = TempFile::beside(path)?;
-    file.put_voxels(&Source::scalars(volume), Packing::gzip(level), &options.watch)?;
+    file.put_voxels(
+        &Source::scalars(volume),
+        Packing::gzip(level),
+        &options.watch,
+    )?;
     file.finish(options, &mut written)?;
     Ok(written)
 }
@@ -60,9 +71,17 @@ fn warned(volume: &Volume) -> Written {
 
 /// An array of shape z, y, x, and 4 where there are colours.
 /// Source: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
-pub(super) fn write_npy(volume: &Volume, path: &Path, options: &WriteOptions) -> Result<Written, VolumeError> {
+pub(super) fn write_npy(
+    volume: &Volume,
+    path: &Path,
+    options: &WriteOptions,
+) -> Result<Written, VolumeError> {
     let source = Source::colored(volume);
-    let ty = if source.colors { ScalarType::U8 } else { volume.voxels().scalar_type() };
+    let ty = if source.colors {
+        ScalarType::U8
+    } else {
+        volume.voxels().scalar_type()
+    };
     let kind = match ty {
         _ if ty.is_float() => 'f',
         ScalarType::I8 | ScalarType::I16 | ScalarType::I32 | ScalarType::I64 => 'i',

@@ -30,13 +30,19 @@ pub(super) fn check(path: &Path, folder: bool, options: &WriteOptions) -> Result
         return Ok(());
     };
     if !options.overwrite {
-        return refuse("is there already", "give another name, or ask to overwrite it");
+        return refuse(
+            "is there already",
+            "give another name, or ask to overwrite it",
+        );
     }
     if folder != there.is_dir() {
         let (cause, remedy) = if there.is_dir() {
             ("is a folder", "give the name of a file")
         } else {
-            ("is a file, and a folder is to be written", "give the name of a folder")
+            (
+                "is a file, and a folder is to be written",
+                "give the name of a folder",
+            )
         };
         return refuse(cause, remedy);
     }
@@ -52,7 +58,11 @@ pub(super) fn check(path: &Path, folder: bool, options: &WriteOptions) -> Result
 
 fn folder_of(path: &Path) -> &Path {
     let parent = path.parent().unwrap_or(Path::new(""));
-    if parent.as_os_str().is_empty() { Path::new(".") } else { parent }
+    if parent.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        parent
+    }
 }
 
 /// The name of what is being written: hidden, so that no one takes it for a volume.
@@ -77,7 +87,9 @@ impl TempFile {
             // As any new file: the umask takes away what it must.
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
-        let file = builder.tempfile_in(folder_of(path)).map_err(|error| failed(&error))?;
+        let file = builder
+            .tempfile_in(folder_of(path))
+            .map_err(|error| failed(&error))?;
         Ok(Self {
             file: BufWriter::with_capacity(1 << 16, file),
             path: path.to_path_buf(),
@@ -103,16 +115,25 @@ impl TempFile {
     }
 
     /// All voxels, or colours, packed as asked for.
-    pub fn put_voxels(&mut self, source: &Source<'_>, packing: Packing, watch: &Watch) -> Result<(), VolumeError> {
+    pub fn put_voxels(
+        &mut self,
+        source: &Source<'_>,
+        packing: Packing,
+        watch: &Watch,
+    ) -> Result<(), VolumeError> {
         let packed = match packing {
             Packing::None => source.write(&mut self.file, watch)?,
             Packing::Gzip(level) => {
                 let mut out = GzEncoder::new(&mut self.file, flate2::Compression::new(level));
-                source.write(&mut out, watch)?.and_then(|()| out.finish().map(|_| ()))
+                source
+                    .write(&mut out, watch)?
+                    .and_then(|()| out.finish().map(|_| ()))
             }
             Packing::Zlib(level) => {
                 let mut out = ZlibEncoder::new(&mut self.file, flate2::Compression::new(level));
-                source.write(&mut out, watch)?.and_then(|()| out.finish().map(|_| ()))
+                source
+                    .write(&mut out, watch)?
+                    .and_then(|()| out.finish().map(|_| ()))
             }
         };
         packed.map_err(|error| failed(&error))
@@ -128,13 +149,18 @@ impl TempFile {
     ) -> Result<(), VolumeError> {
         let mut out = GzEncoder::new(&mut self.file, flate2::Compression::new(level));
         out.write_all(head).map_err(|error| failed(&error))?;
-        source.write(&mut out, watch)?.map_err(|error| failed(&error))?;
+        source
+            .write(&mut out, watch)?
+            .map_err(|error| failed(&error))?;
         out.finish().map(|_| ()).map_err(|error| failed(&error))
     }
 
     /// Gives the file its name; it replaces what has it only where that was asked for.
     pub fn finish(self, options: &WriteOptions, written: &mut Written) -> Result<(), VolumeError> {
-        let file = self.file.into_inner().map_err(|error| failed(error.error()))?;
+        let file = self
+            .file
+            .into_inner()
+            .map_err(|error| failed(error.error()))?;
         options.watch.check()?;
         let kept = || -> io::Result<u64> {
             file.as_file().sync_data()?;
@@ -236,7 +262,9 @@ impl TempFolder {
             use std::os::unix::fs::PermissionsExt as _;
             builder.permissions(fs::Permissions::from_mode(0o777));
         }
-        let folder = builder.tempdir_in(folder_of(path)).map_err(|error| failed(&error))?;
+        let folder = builder
+            .tempdir_in(folder_of(path))
+            .map_err(|error| failed(&error))?;
         Ok(Self {
             folder,
             path: path.to_path_buf(),
@@ -260,7 +288,9 @@ impl TempFolder {
     pub fn finish(self, options: &WriteOptions) -> Result<PathBuf, VolumeError> {
         options.watch.check()?;
         let aside = if options.overwrite && self.path.is_dir() {
-            let aside = builder().tempdir_in(folder_of(&self.path)).map_err(|error| failed(&error))?;
+            let aside = builder()
+                .tempdir_in(folder_of(&self.path))
+                .map_err(|error| failed(&error))?;
             fs::rename(&self.path, aside.path().join("old")).map_err(|error| failed(&error))?;
             Some(aside)
         } else {

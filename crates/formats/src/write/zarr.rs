@@ -18,7 +18,11 @@ use volgraph_volume::{Grid, ScalarType, Trouble, Values, Volume, VolumeError, fo
 use super::target::{TempFolder, failed};
 use super::{Compression, WriteOptions, Written};
 
-pub(super) fn write(volume: &Volume, path: &Path, options: &WriteOptions) -> Result<Written, VolumeError> {
+pub(super) fn write(
+    volume: &Volume,
+    path: &Path,
+    options: &WriteOptions,
+) -> Result<Written, VolumeError> {
     if options.chunk.contains(&0) || options.levels == 0 {
         return Err(VolumeError::Write(Trouble::new(
             "chunks without voxels, or no level",
@@ -40,8 +44,15 @@ pub(super) fn write(volume: &Volume, path: &Path, options: &WriteOptions) -> Res
         bytes: AtomicU64::new(0),
     };
     let dims = levels(volume.grid(), options);
-    let each = if job.colors { 4 } else { volume.voxels().scalar_type().size() as u64 };
-    job.total = dims.iter().map(|dims| each * dims.iter().map(|&n| u64::from(n)).product::<u64>()).sum();
+    let each = if job.colors {
+        4
+    } else {
+        volume.voxels().scalar_type().size() as u64
+    };
+    job.total = dims
+        .iter()
+        .map(|dims| each * dims.iter().map(|&n| u64::from(n)).product::<u64>())
+        .sum();
     let filter = Filter::for_values(&volume.about().values);
     let mut grids = Vec::new();
     let mut level: Option<Volume> = None;
@@ -183,6 +194,10 @@ impl Job<'_> {
         self.folder.put(name, bytes)
     }
 
+    #[expect(
+        clippy::redundant_closure_for_method_calls,
+        reason = "the method is another one for each type"
+    )]
     fn write_level(&self, number: usize, level: &Volume) -> Result<(), VolumeError> {
         self.put(&format!("{number}/zarr.json"), &pretty(&self.array(level)))?;
         let dims = level.grid().dims;
@@ -190,30 +205,32 @@ impl Job<'_> {
         let counts = [0, 1, 2].map(|axis| dims[axis].div_ceil(chunk[axis]) as usize);
         let [cx, cy, cz] = counts;
         let channels = if self.colors { 4 } else { 1 };
-        (0..cx * cy * cz * channels).into_par_iter().try_for_each(|i| {
-            self.options.watch.check()?;
-            let at = [i % cx, i / cx % cy, i / (cx * cy) % cz];
-            let channel = i / (cx * cy * cz);
-            let low = [0, 1, 2].map(|axis| at[axis] * chunk[axis] as usize);
-            let size = chunk.map(|n| n as usize);
-            let dims = dims.map(|n| n as usize);
-            let (bytes, inside) = match level.colors() {
-                Some(colors) => cut(colors, dims, low, size, |color| [color[channel]]),
-                None => for_voxels!(level.voxels(), values => {
-                    cut(values, dims, low, size, |value| value.to_le_bytes())
-                }),
-            };
-            let [x, y, z] = at;
-            let name = if self.colors {
-                format!("{number}/c/{channel}/{z}/{y}/{x}")
-            } else {
-                format!("{number}/c/{z}/{y}/{x}")
-            };
-            self.put(&name, &self.pack(&bytes)?)?;
-            let done = self.done.fetch_add(inside, Ordering::Relaxed) + inside;
-            self.options.watch.report(done, self.total);
-            Ok(())
-        })
+        (0..cx * cy * cz * channels)
+            .into_par_iter()
+            .try_for_each(|i| {
+                self.options.watch.check()?;
+                let at = [i % cx, i / cx % cy, i / (cx * cy) % cz];
+                let channel = i / (cx * cy * cz);
+                let low = [0, 1, 2].map(|axis| at[axis] * chunk[axis] as usize);
+                let size = chunk.map(|n| n as usize);
+                let dims = dims.map(|n| n as usize);
+                let (bytes, inside) = match level.colors() {
+                    Some(colors) => cut(colors, dims, low, size, |color| [color[channel]]),
+                    None => for_voxels!(level.voxels(), values => {
+                        cut(values, dims, low, size, |value| value.to_le_bytes())
+                    }),
+                };
+                let [x, y, z] = at;
+                let name = if self.colors {
+                    format!("{number}/c/{channel}/{z}/{y}/{x}")
+                } else {
+                    format!("{number}/c/{z}/{y}/{x}")
+                };
+                self.put(&name, &self.pack(&bytes)?)?;
+                let done = self.done.fetch_add(inside, Ordering::Relaxed) + inside;
+                self.options.watch.report(done, self.total);
+                Ok(())
+            })
     }
 
     /// No chunk is larger than its array: the rest would be nothing.
@@ -224,9 +241,17 @@ impl Job<'_> {
     fn array(&self, level: &Volume) -> Value {
         let grid = level.grid();
         let shape = |[x, y, z]: [u32; 3], channels: u32| {
-            if self.colors { vec![channels, z, y, x] } else { vec![z, y, x] }
+            if self.colors {
+                vec![channels, z, y, x]
+            } else {
+                vec![z, y, x]
+            }
         };
-        let ty = if self.colors { ScalarType::U8 } else { level.voxels().scalar_type() };
+        let ty = if self.colors {
+            ScalarType::U8
+        } else {
+            level.voxels().scalar_type()
+        };
         let bytes = if ty.size() == 1 {
             json!({"name": "bytes"})
         } else {
@@ -235,13 +260,21 @@ impl Job<'_> {
         let mut codecs = vec![bytes];
         match self.compression {
             Compression::None => {}
-            Compression::Gzip(level) => codecs.push(json!({"name": "gzip", "configuration": {"level": level}})),
+            Compression::Gzip(level) => {
+                codecs.push(json!({"name": "gzip", "configuration": {"level": level}}));
+            }
             Compression::Zstd(level) => {
-                codecs.push(json!({"name": "zstd", "configuration": {"level": level, "checksum": false}}));
+                codecs.push(
+                    json!({"name": "zstd", "configuration": {"level": level, "checksum": false}}),
+                );
             }
         }
         let fill = if ty.is_float() { json!(0.0) } else { json!(0) };
-        let names = if self.colors { json!(["c", "z", "y", "x"]) } else { json!(["z", "y", "x"]) };
+        let names = if self.colors {
+            json!(["c", "z", "y", "x"])
+        } else {
+            json!(["z", "y", "x"])
+        };
         let attributes = if is_plain(grid) {
             json!({})
         } else {

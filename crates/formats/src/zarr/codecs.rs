@@ -4,11 +4,10 @@
 //! the size that the chunk must have, so no stream can make more of itself; voxels that lie in another order than
 //! the array's stay so, and [`Codecs::strides`] says where they are.
 
-use std::io::Read;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use volgraph_volume::{Trouble, VolumeError};
 use zarrs_metadata::v3::MetadataV3;
+
+use super::packed::{Packed, broken};
 
 /// How chunks are encoded.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,125 +32,11 @@ pub(super) struct Shard {
     index_first: bool,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Packed {
-    Gzip,
-    Zlib,
-    Bzip2,
-    Zstd,
-    Blosc,
-    Crc32c,
-}
-
 fn unsupported(what: impl Into<String>) -> VolumeError {
     VolumeError::Unsupported(Trouble::new(
         what,
         "save the array with bytes and none or one of gzip, zlib, bz2, zstd, blosc and crc32c",
     ))
-}
-
-fn broken(what: impl Into<String>) -> VolumeError {
-    VolumeError::DataCorrupt(Trouble::new(what, "fetch the chunk again"))
-}
-
-impl Packed {
-    fn of(name: &str) -> Option<Self> {
-        Some(match name.strip_prefix("numcodecs.").unwrap_or(name) {
-            "gzip" => Self::Gzip,
-            "zlib" => Self::Zlib,
-            "bz2" => Self::Bzip2,
-            "zstd" => Self::Zstd,
-            "blosc" => Self::Blosc,
-            "crc32c" => Self::Crc32c,
-            _ => return None,
-        })
-    }
-
-    /// What `bytes` were made of, at most `most` bytes.
-    fn undo(self, mut bytes: Vec<u8>, most: usize) -> Result<Vec<u8>, VolumeError> {
-        match self {
-            Self::Gzip => unpack(flate2::read::MultiGzDecoder::new(bytes.as_slice()), most, "gzip"),
-            Self::Zlib => unpack(flate2::read::ZlibDecoder::new(bytes.as_slice()), most, "zlib"),
-            Self::Bzip2 => unpack(bzip2::read::MultiBzDecoder::new(bytes.as_slice()), most, "bzip2"),
-            Self::Zstd => {
-                let failed = |error: std::io::Error| broken(format!("the Zstandard stream is broken: {error}"));
-                let mut decoder =
-                    zstd::stream::read::Decoder::with_buffer(bytes.as_slice()).map_err(failed)?;
-                // The window is memory by the stream's word: no more than the chunk and 8 MiB, nor 128 MiB.
-                let window = (most.max(1).ilog2() + 1).clamp(23, 27);
-                decoder.window_log_max(window).map_err(failed)?;
-                unpack(decoder, most, "Zstandard")
-            }
-            Self::Blosc => unblosc(&bytes, most),
-            Self::Crc32c => {
-                let at = bytes.len().checked_sub(4).ok_or_else(|| broken("too short for its checksum"))?;
-                let said = bytes.split_off(at);
-                if crc32c::crc32c(&bytes).to_le_bytes() != said.as_slice() {
-                    return Err(broken("the checksum (crc32c) is another"));
-                }
-                Ok(bytes)
-            }
-        }
-    }
-}
-
-/// The stream to its end; it grows with what is really there.
-fn unpack(stream: impl Read, most: usize, what: &str) -> Result<Vec<u8>, VolumeError> {
-    let mut out = Vec::new();
-    let read = stream.take(most as u64 + 1).read_to_end(&mut out);
-    read.map_err(|error| broken(format!("the {what} stream is broken: {error}")))?;
-    if out.len() > most {
-        return Err(broken(format!("the {what} stream holds more than {most} bytes")));
-    }
-    Ok(out)
-}
-
-/// Blosc says the length in its header, and how many bytes of the input it is about.
-fn unblosc(bytes: &[u8], most: usize) -> Result<Vec<u8>, VolumeError> {
-    let number = |at: usize| -> Option<usize> {
-        let bytes = bytes.get(at..at + 4)?.try_into().ok()?;
-        usize::try_from(u32::from_le_bytes(bytes)).ok()
-    };
-    let (Some(len), Some(block), Some(packed)) = (number(4), number(8), number(12)) else {
-        return Err(broken("too short for a Blosc header"));
-    };
-    let memory_copy = bytes.get(2).is_some_and(|flags| flags & 2 != 0);
-    // A start for each block stands behind the header.
-    let blocks = len.div_ceil(block.max(1));
-    let least = if memory_copy { 16 + len } else { 16_usize.saturating_add(blocks.saturating_mul(4)) };
-    if len > most || packed != bytes.len() || len > 0 && (block == 0 || least > packed) {
-        return Err(broken(format!(
-            "the Blosc header says {len} bytes in blocks of {block} from {packed}; at most {most} from {} can be",
-            bytes.len()
-        )));
-    }
-    let mut out = decompress(bytes, len)?;
-    // Blosc 1 leaves blocks as they are whose elements are no multiple of 8; the decoder shuffles what it can of
-    // them, as Blosc 2 does. Without the flag it leaves all blocks: these are taken from there.
-    let (format, flags, element) = (bytes[0], bytes[2], usize::from(bytes[3]).max(1));
-    let left = |block: &[u8]| (block.len() / element) % 8 != 0;
-    if format <= 2 && flags & 4 != 0 && !memory_copy && len > 0 && out.chunks(block).any(left) {
-        let mut plain = bytes.to_vec();
-        plain[2] &= !4;
-        let plain = decompress(&plain, len)?;
-        let blocks = out.chunks_mut(block).zip(plain.chunks(block));
-        blocks.filter(|(_, plain)| left(plain)).for_each(|(out, plain)| out.copy_from_slice(plain));
-    }
-    Ok(out)
-}
-
-fn decompress(bytes: &[u8], len: usize) -> Result<Vec<u8>, VolumeError> {
-    let mut out = Vec::new();
-    if out.try_reserve_exact(len).is_err() {
-        return Err(broken("memory does not hold the chunk"));
-    }
-    out.resize(len, 0);
-    // The decoder indexes by what the bytes say; a forged offset ends there and not here.
-    let done = catch_unwind(AssertUnwindSafe(|| blusc::blosc1_decompress(bytes, &mut out)));
-    match done {
-        Ok(count) if usize::try_from(count) == Ok(len) => Ok(out),
-        _ => Err(broken("the Blosc stream is broken")),
-    }
 }
 
 impl Codecs {
@@ -175,7 +60,9 @@ impl Codecs {
                     codecs.big_endian = match said("endian").and_then(|value| value.as_str()) {
                         Some("big") => true,
                         Some("little") | None => false,
-                        Some(other) => return Err(unsupported(format!("the byte order {other:?}"))),
+                        Some(other) => {
+                            return Err(unsupported(format!("the byte order {other:?}")));
+                        }
                     };
                 }
                 "sharding_indexed" if !bytes => {
@@ -184,7 +71,9 @@ impl Codecs {
                 }
                 _ => match Packed::of(name).filter(|_| bytes) {
                     Some(packed) => codecs.packed.push(packed),
-                    None => return Err(unsupported(format!("the codec {name:?} is not read here"))),
+                    None => {
+                        return Err(unsupported(format!("the codec {name:?} is not read here")));
+                    }
                 },
             }
         }
@@ -193,9 +82,15 @@ impl Codecs {
         }
         let sorted = codecs.order.iter().enumerate().all(|(i, &axis)| i == axis);
         if codecs.shard.is_some() && !(codecs.packed.is_empty() && sorted) {
-            return Err(unsupported("shards that are turned or packed as a whole are not read"));
+            return Err(unsupported(
+                "shards that are turned or packed as a whole are not read",
+            ));
         }
-        if codecs.shard.as_ref().is_some_and(|shard| shard.codecs.shard.is_some()) {
+        if codecs
+            .shard
+            .as_ref()
+            .is_some_and(|shard| shard.codecs.shard.is_some())
+        {
             return Err(unsupported("shards inside of shards are not read"));
         }
         Ok(codecs)
@@ -216,7 +111,11 @@ impl Codecs {
             None => Vec::new(),
             Some(name) => match Packed::of(name) {
                 Some(packed) => vec![packed],
-                None => return Err(unsupported(format!("the compressor {name:?} is not read here"))),
+                None => {
+                    return Err(unsupported(format!(
+                        "the compressor {name:?} is not read here"
+                    )));
+                }
             },
         };
         Ok(Self {
@@ -265,14 +164,22 @@ impl Codecs {
     }
 
     /// `len` bytes of voxels in the machine's order out of what is stored; elements have `size` bytes.
-    pub fn decode(&self, mut bytes: Vec<u8>, len: usize, size: usize) -> Result<Vec<u8>, VolumeError> {
+    pub fn decode(
+        &self,
+        mut bytes: Vec<u8>,
+        len: usize,
+        size: usize,
+    ) -> Result<Vec<u8>, VolumeError> {
         // Between two codecs there may be a little more: headers and checksums.
         let between = len.saturating_add(len / 4).saturating_add(1 << 16);
         for (left, packed) in (0..self.packed.len()).rev().zip(self.packed.iter().rev()) {
             bytes = packed.undo(bytes, if left == 0 { len } else { between })?;
         }
         if bytes.len() != len {
-            return Err(broken(format!("a chunk of {} bytes, and it needs {len}", bytes.len())));
+            return Err(broken(format!(
+                "a chunk of {} bytes, and it needs {len}",
+                bytes.len()
+            )));
         }
         if self.big_endian != cfg!(target_endian = "big") && size > 1 {
             bytes.chunks_exact_mut(size).for_each(<[u8]>::reverse);
@@ -286,10 +193,12 @@ impl Codecs {
     }
 
     fn fixed_len(&self, len: u64) -> Option<u64> {
-        self.packed.iter().try_fold(len, |len, packed| match packed {
-            Packed::Crc32c => len.checked_add(4),
-            _ => None,
-        })
+        self.packed
+            .iter()
+            .try_fold(len, |len, packed| match packed {
+                Packed::Crc32c => len.checked_add(4),
+                _ => None,
+            })
     }
 }
 
@@ -318,7 +227,10 @@ impl Shard {
             Some(_) => return Err(bad("index_location")),
         };
         let index = Codecs::of_v3(&list("index_codecs")?, rank + 1)?;
-        if index.fixed_len(16).is_none() || index.shard.is_some() || index.order != Vec::from_iter(0..=rank) {
+        if index.fixed_len(16).is_none()
+            || index.shard.is_some()
+            || index.order != Vec::from_iter(0..=rank)
+        {
             return Err(bad("index_codecs"));
         }
         Ok(Self {
@@ -331,16 +243,27 @@ impl Shard {
 
     /// Where the index of `count` inner chunks lies in a shard of `len` bytes; refused where it does not fit.
     pub fn index_range(&self, count: u64, len: u64) -> Result<(u64, u64), VolumeError> {
-        let size = count.checked_mul(16).and_then(|size| self.index.fixed_len(size));
+        let size = count
+            .checked_mul(16)
+            .and_then(|size| self.index.fixed_len(size));
         let size = size.filter(|&size| size <= len).ok_or_else(|| {
-            broken(format!("a shard of {len} bytes has no room for the index of {count} chunks"))
+            broken(format!(
+                "a shard of {len} bytes has no room for the index of {count} chunks"
+            ))
         })?;
         Ok((if self.index_first { 0 } else { len - size }, size))
     }
 
     /// Offset and length of each inner chunk; `None` where it is missing.
-    pub fn index(&self, bytes: Vec<u8>, count: u64, len: u64) -> Result<Vec<Option<(u64, u64)>>, VolumeError> {
-        let bytes = self.index.decode(bytes, usize::try_from(count * 16).unwrap_or(usize::MAX), 8)?;
+    pub fn index(
+        &self,
+        bytes: Vec<u8>,
+        count: u64,
+        len: u64,
+    ) -> Result<Vec<Option<(u64, u64)>>, VolumeError> {
+        let bytes =
+            self.index
+                .decode(bytes, usize::try_from(count * 16).unwrap_or(usize::MAX), 8)?;
         let number = |bytes: &[u8]| bytes.try_into().map_or(0, u64::from_ne_bytes);
         bytes
             .chunks_exact(16)

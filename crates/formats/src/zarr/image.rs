@@ -44,7 +44,10 @@ impl Image {
 
     fn of_ome(folder: &Path, image: ome::Image, level: u32) -> Result<Self, VolumeError> {
         let count = image.levels.len();
-        let one = image.levels.get(level as usize).ok_or_else(|| no_level(level, count))?;
+        let one = image
+            .levels
+            .get(level as usize)
+            .ok_or_else(|| no_level(level, count))?;
         let meta = meta(folder, &one.path)?;
         if meta.shape.len() != image.axes.len() {
             let (have, said) = (meta.shape.len(), image.axes.len());
@@ -73,12 +76,16 @@ impl Image {
         let names = meta.names.clone().or_else(|| {
             // What xarray writes into version 2.
             let list = meta.attributes.get("_ARRAY_DIMENSIONS")?.as_array()?;
-            let names: Vec<Option<String>> =
-                list.iter().map(|name| name.as_str().map(str::to_owned)).collect();
+            let names: Vec<Option<String>> = list
+                .iter()
+                .map(|name| name.as_str().map(str::to_owned))
+                .collect();
             (names.len() == rank).then_some(names)
         });
         let known = names.filter(|names| {
-            let kinds = names.iter().map(|name| ome::kind(None, name.as_deref().unwrap_or_default()));
+            let kinds = names
+                .iter()
+                .map(|name| ome::kind(None, name.as_deref().unwrap_or_default()));
             let space = kinds.filter(|kind| *kind == Kind::Space).count();
             (1..=3).contains(&space)
         });
@@ -87,11 +94,19 @@ impl Image {
                 Some(names) => {
                     let name = names[i].clone().unwrap_or_default();
                     let kind = ome::kind(None, &name);
-                    Axis { name, kind, unit: None }
+                    Axis {
+                        name,
+                        kind,
+                        unit: None,
+                    }
                 }
                 None => Axis {
                     name: String::new(),
-                    kind: if rank - i <= 3 { Kind::Space } else { Kind::Other },
+                    kind: if rank - i <= 3 {
+                        Kind::Space
+                    } else {
+                        Kind::Other
+                    },
                     unit: None,
                 },
             })
@@ -136,7 +151,10 @@ impl Image {
             },
             node_centred: false,
         };
-        if columns.iter().any(|column| !(column.length() > 0.0 && column.is_finite())) {
+        if columns
+            .iter()
+            .any(|column| !(column.length() > 0.0 && column.is_finite()))
+        {
             return Err(VolumeError::Grid(Trouble::new(
                 format!("the scale {:?} has a zero, or is not finite", self.scale),
                 "give each axis a scale other than 0",
@@ -145,11 +163,13 @@ impl Image {
         grid.world_from_index.matrix3 = complete_basis(&columns);
         if let Some(own) = self.array.meta.attributes.get("volgraph") {
             let numbers = own.get("world_from_index").and_then(|list| list.as_array());
-            let numbers: Option<Vec<f64>> = numbers.and_then(|list| list.iter().map(serde_json::Value::as_f64).collect());
+            let numbers: Option<Vec<f64>> =
+                numbers.and_then(|list| list.iter().map(serde_json::Value::as_f64).collect());
             if let Some(numbers) = numbers.and_then(|list| <[f64; 12]>::try_from(list).ok()) {
                 grid.world_from_index = DAffine3::from_cols_array(&numbers);
             }
-            grid.node_centred = own.get("node_centred").and_then(serde_json::Value::as_bool) == Some(true);
+            grid.node_centred =
+                own.get("node_centred").and_then(serde_json::Value::as_bool) == Some(true);
         }
         grid.check()?;
         Ok(grid)
@@ -165,23 +185,41 @@ impl Image {
             Some(image) => format!("OME-Zarr {}", image.version).trim().to_owned(),
             None => format!("Zarr v{}", meta.version),
         };
-        let name = part.path.rsplit('/').find(|name| !matches!(*name, "" | "."));
+        let name = part
+            .path
+            .rsplit('/')
+            .find(|name| !matches!(*name, "" | "."));
         let name = match (&self.ome, name) {
             (_, Some(name)) => name.to_owned(),
-            (Some(ome::Image { name: Some(name), .. }), None) => name.clone(),
+            (
+                Some(ome::Image {
+                    name: Some(name), ..
+                }),
+                None,
+            ) => name.clone(),
             _ => crate::input::stem(folder),
         };
         let steps = axes.steps();
         let mut contents = Contents::new(format, name, axes, meta.element.scalar_type, grid);
-        let units: Vec<&str> = self.space.iter().filter_map(|&axis| self.axes[axis].unit.as_deref()).collect();
+        let units: Vec<&str> = self
+            .space
+            .iter()
+            .filter_map(|&axis| self.axes[axis].unit.as_deref())
+            .collect();
         if let Some(&first) = units.first() {
             if units.len() == self.space.len() && units.iter().all(|unit| *unit == first) {
                 contents.about.length_unit = Some(ome::short_unit(first));
             } else {
-                contents.warnings.push(format!("the axes of space have several units: {}", units.join(", ")));
+                contents.warnings.push(format!(
+                    "the axes of space have several units: {}",
+                    units.join(", ")
+                ));
             }
         }
-        if let Some(time) = self.time.filter(|_| self.ome.is_some() && steps <= MOST_TIMES) {
+        if let Some(time) = self
+            .time
+            .filter(|_| self.ome.is_some() && steps <= MOST_TIMES)
+        {
             let at = |step: u32| self.translation[time] + f64::from(step) * self.scale[time];
             contents.times = (0..steps).map(at).collect();
             contents.time_unit = self.axes[time].unit.as_deref().map(ome::short_unit);
@@ -200,7 +238,10 @@ impl Image {
                 facts.push(("levels".to_owned(), image.levels.len().to_string()));
             }
             for (number, (label, color)) in image.channels.iter().enumerate() {
-                facts.push((format!("channel {number}"), format!("{label} {color}").trim().to_owned()));
+                facts.push((
+                    format!("channel {number}"),
+                    format!("{label} {color}").trim().to_owned(),
+                ));
             }
         }
         contents.data_files = vec![meta.file.clone()];
@@ -268,15 +309,25 @@ fn meta(folder: &Path, path: &str) -> Result<Meta, VolumeError> {
 
 /// Which axes are x, y, z (by their names, else in order with the last one x), and which is time.
 fn roles(axes: &[Axis]) -> Result<(Vec<usize>, Option<usize>), VolumeError> {
-    let mut space: Vec<usize> = (0..axes.len()).filter(|&i| axes[i].kind == Kind::Space).collect();
+    let mut space: Vec<usize> = (0..axes.len())
+        .filter(|&i| axes[i].kind == Kind::Space)
+        .collect();
     if space.is_empty() || space.len() > 3 {
         return Err(VolumeError::Unsupported(Trouble::new(
             format!("{} axes of space; a volume has one to three", space.len()),
             "name the axes x, y and z, or give them the type `space`",
         )));
     }
-    let named = |name: &str| space.iter().copied().find(|&i| axes[i].name.eq_ignore_ascii_case(name));
-    let by_name: Vec<usize> = ["x", "y", "z"].iter().filter_map(|name| named(name)).collect();
+    let named = |name: &str| {
+        space
+            .iter()
+            .copied()
+            .find(|&i| axes[i].name.eq_ignore_ascii_case(name))
+    };
+    let by_name: Vec<usize> = ["x", "y", "z"]
+        .iter()
+        .filter_map(|name| named(name))
+        .collect();
     if by_name.len() == space.len() {
         space = by_name;
     } else {

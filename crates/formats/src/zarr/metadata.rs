@@ -7,11 +7,12 @@ use std::io::Read as _;
 use std::path::{Component, Path, PathBuf};
 
 use serde_json::{Map, Value};
-use volgraph_volume::{ScalarType, Trouble, VolumeError};
+use volgraph_volume::{Trouble, VolumeError};
 use zarrs_metadata::v2::{ArrayMetadataV2, ArrayMetadataV2Order, DataTypeMetadataV2};
 use zarrs_metadata::v3::{ArrayMetadataV3, GroupMetadataV3};
 
 use super::codecs::Codecs;
+use super::element::{Stored, fill_bytes, type_of_v2, type_of_v3, unknown_type};
 
 /// Most bytes of a metadata file.
 const LONGEST: u64 = 16 << 20;
@@ -22,9 +23,7 @@ const MOST_AXES: usize = 16;
 /// What a folder is.
 #[derive(Debug)]
 pub(super) enum Node {
-    Group {
-        attributes: Map<String, Value>,
-    },
+    Group { attributes: Map<String, Value> },
     Array(Box<Meta>),
 }
 
@@ -44,29 +43,6 @@ pub(super) struct Meta {
     pub attributes: Map<String, Value>,
     /// The file that says it.
     pub file: PathBuf,
-}
-
-/// The type of the elements in the file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Stored {
-    /// The type they are read as.
-    pub scalar_type: ScalarType,
-    /// Bytes of each in the file.
-    pub size: usize,
-}
-
-impl Stored {
-    fn of(scalar_type: ScalarType) -> Self {
-        Self {
-            scalar_type,
-            size: scalar_type.size(),
-        }
-    }
-
-    /// float16 becomes float32.
-    pub fn is_half(self) -> bool {
-        self.size != self.scalar_type.size()
-    }
 }
 
 /// How a chunk's indices become the name of its file.
@@ -90,8 +66,11 @@ impl Keys {
     }
 }
 
-fn bad(what: impl Into<String>) -> VolumeError {
-    VolumeError::BadValue(Trouble::new(what, "correct the metadata, or write the array again"))
+pub(super) fn bad(what: impl Into<String>) -> VolumeError {
+    VolumeError::BadValue(Trouble::new(
+        what,
+        "correct the metadata, or write the array again",
+    ))
 }
 
 /// The folder that a path inside of the hierarchy names; it may not lead out of it.
@@ -107,7 +86,9 @@ pub(super) fn inside(root: &Path, path: &str) -> Result<PathBuf, VolumeError> {
 pub(super) fn node(folder: &Path) -> Result<Option<Node>, VolumeError> {
     let file = folder.join("zarr.json");
     if let Some(value) = json(&file)? {
-        return of_v3(value, &file).map(Some).map_err(|error| error.in_file(&file));
+        return of_v3(value, &file)
+            .map(Some)
+            .map_err(|error| error.in_file(&file));
     }
     let attributes = |default: Map<String, Value>| -> Result<Map<String, Value>, VolumeError> {
         Ok(match json(&folder.join(".zattrs"))? {
@@ -124,7 +105,10 @@ pub(super) fn node(folder: &Path) -> Result<Option<Node>, VolumeError> {
         let meta = meta.map_err(|error| error.in_file(&file))?;
         return Ok(Some(Node::Array(Box::new(meta))));
     }
-    if [".zgroup", ".zattrs"].iter().any(|name| folder.join(name).is_file()) {
+    if [".zgroup", ".zattrs"]
+        .iter()
+        .any(|name| folder.join(name).is_file())
+    {
         return Ok(Some(Node::Group {
             attributes: attributes(Map::new())?,
         }));
@@ -169,7 +153,8 @@ fn syntax(error: &serde_json::Error) -> VolumeError {
 
 fn of_v3(value: Value, file: &Path) -> Result<Node, VolumeError> {
     if value.get("node_type").and_then(Value::as_str) == Some("group") {
-        let group: GroupMetadataV3 = serde_json::from_value(value).map_err(|error| syntax(&error))?;
+        let group: GroupMetadataV3 =
+            serde_json::from_value(value).map_err(|error| syntax(&error))?;
         return Ok(Node::Group {
             attributes: group.attributes,
         });
@@ -197,13 +182,27 @@ fn of_v3(value: Value, file: &Path) -> Result<Node, VolumeError> {
         ))
     })?;
     let encoding = &array.chunk_key_encoding;
-    let separator = encoding.configuration().and_then(|config| config.get("separator"));
+    let separator = encoding
+        .configuration()
+        .and_then(|config| config.get("separator"));
     let separator = separator.and_then(Value::as_str);
     let keys = match (encoding.name(), separator) {
-        ("default", None | Some("/")) => Keys { prefix: true, separator: '/' },
-        ("default", Some(".")) => Keys { prefix: true, separator: '.' },
-        ("v2", None | Some(".")) => Keys { prefix: false, separator: '.' },
-        ("v2", Some("/")) => Keys { prefix: false, separator: '/' },
+        ("default", None | Some("/")) => Keys {
+            prefix: true,
+            separator: '/',
+        },
+        ("default", Some(".")) => Keys {
+            prefix: true,
+            separator: '.',
+        },
+        ("v2", None | Some(".")) => Keys {
+            prefix: false,
+            separator: '.',
+        },
+        ("v2", Some("/")) => Keys {
+            prefix: false,
+            separator: '/',
+        },
         (name, _) => return Err(bad(format!("the chunk key encoding {name:?} is unknown"))),
     };
     let fill = serde_json::to_value(&array.fill_value).unwrap_or_default();
@@ -220,9 +219,16 @@ fn of_v3(value: Value, file: &Path) -> Result<Node, VolumeError> {
         file: file.to_path_buf(),
     };
     if let Some(shard) = &meta.codecs.shard
-        && meta.chunk.iter().zip(&shard.chunk).any(|(outer, inner)| outer % inner != 0)
+        && meta
+            .chunk
+            .iter()
+            .zip(&shard.chunk)
+            .any(|(outer, inner)| outer % inner != 0)
     {
-        return Err(bad(format!("shards of {:?} do not hold whole chunks of {:?}", meta.chunk, shard.chunk)));
+        return Err(bad(format!(
+            "shards of {:?} do not hold whole chunks of {:?}",
+            meta.chunk, shard.chunk
+        )));
     }
     Ok(Node::Array(Box::new(meta)))
 }
@@ -242,7 +248,10 @@ fn of_v2(value: Value, file: &Path) -> Result<Meta, VolumeError> {
     }
     let fill = serde_json::to_value(&array.fill_value).unwrap_or_default();
     let column_major = array.order == ArrayMetadataV2Order::F;
-    let compressor = array.compressor.as_ref().map(|compressor| compressor.id());
+    let compressor = array
+        .compressor
+        .as_ref()
+        .map(zarrs_metadata::v2::MetadataV2::id);
     let chunk = array.chunks.iter().map(|n| n.get()).collect();
     Ok(Meta {
         version: 2,
@@ -267,7 +276,10 @@ fn of_v2(value: Value, file: &Path) -> Result<Meta, VolumeError> {
 fn checked_rank(shape: &[u64]) -> Result<usize, VolumeError> {
     if !(1..=MOST_AXES).contains(&shape.len()) {
         return Err(VolumeError::Unsupported(Trouble::new(
-            format!("an array of {} axes; 1 to {MOST_AXES} are read", shape.len()),
+            format!(
+                "an array of {} axes; 1 to {MOST_AXES} are read",
+                shape.len()
+            ),
             "save the array with fewer axes",
         )));
     }
@@ -279,104 +291,4 @@ fn checked_chunk(chunk: Vec<u64>, rank: usize) -> Result<Vec<u64>, VolumeError> 
         return Err(bad(format!("chunks of {chunk:?} for {rank} axes")));
     }
     Ok(chunk)
-}
-
-fn unknown_type(name: &str) -> VolumeError {
-    let name: String = name.chars().take(40).collect();
-    VolumeError::UnknownType(Trouble::new(
-        format!("the data type {name:?} is not read"),
-        "save the array as booleans, integers of 8 to 64 bits or floats of 16 to 64 bits",
-    ))
-}
-
-const HALF: Stored = Stored {
-    scalar_type: ScalarType::F32,
-    size: 2,
-};
-
-fn type_of_v3(name: &str) -> Result<Stored, VolumeError> {
-    match name {
-        "bool" => Ok(Stored::of(ScalarType::U8)),
-        "float16" => Ok(HALF),
-        _ => {
-            let ty = ScalarType::ALL.into_iter().find(|ty| ty.name() == name);
-            ty.map(Stored::of).ok_or_else(|| unknown_type(name))
-        }
-    }
-}
-
-/// NumPy's type strings: byte order, kind, bytes.
-fn type_of_v2(name: &str) -> Result<(Stored, bool), VolumeError> {
-    let big_endian = match name.get(..1) {
-        Some("<" | "|") => false,
-        Some(">") => true,
-        _ => return Err(unknown_type(name)),
-    };
-    let stored = match &name[1..] {
-        "b1" | "u1" => Stored::of(ScalarType::U8),
-        "i1" => Stored::of(ScalarType::I8),
-        "u2" => Stored::of(ScalarType::U16),
-        "i2" => Stored::of(ScalarType::I16),
-        "u4" => Stored::of(ScalarType::U32),
-        "i4" => Stored::of(ScalarType::I32),
-        "u8" => Stored::of(ScalarType::U64),
-        "i8" => Stored::of(ScalarType::I64),
-        "f2" => HALF,
-        "f4" => Stored::of(ScalarType::F32),
-        "f8" => Stored::of(ScalarType::F64),
-        _ => return Err(unknown_type(name)),
-    };
-    Ok((stored, big_endian))
-}
-
-/// A fill value as one element; none is 0.
-fn fill_bytes(fill: &Value, element: Stored) -> Result<Vec<u8>, VolumeError> {
-    let wrong = || bad(format!("the fill value {fill} does not fit {}", element.scalar_type));
-    let hex = |text: &str| -> Option<Vec<u8>> {
-        let number = u64::from_str_radix(text.strip_prefix("0x")?, 16).ok()?;
-        Some(number.to_le_bytes()[..element.size].to_vec())
-    };
-    if let Some(mut bytes) = fill.as_str().and_then(hex) {
-        if cfg!(target_endian = "big") {
-            bytes.reverse();
-        }
-        return Ok(bytes);
-    }
-    if element.scalar_type.is_float() {
-        let number = match fill {
-            Value::Null => 0.0,
-            Value::Number(number) => number.as_f64().ok_or_else(wrong)?,
-            Value::String(text) => match text.as_str() {
-                "NaN" => f64::NAN,
-                "Infinity" => f64::INFINITY,
-                "-Infinity" => f64::NEG_INFINITY,
-                _ => return Err(wrong()),
-            },
-            _ => return Err(wrong()),
-        };
-        return Ok(match element.size {
-            2 => half::f16::from_f64(number).to_ne_bytes().to_vec(),
-            4 => (number as f32).to_ne_bytes().to_vec(),
-            _ => number.to_ne_bytes().to_vec(),
-        });
-    }
-    let number = match fill {
-        Value::Null => 0,
-        Value::Bool(value) => i128::from(*value),
-        Value::Number(number) => match (number.as_i64(), number.as_u64(), number.as_f64()) {
-            (Some(number), ..) => number.into(),
-            (_, Some(number), _) => number.into(),
-            // Version 2 writes 0.0 for integers too.
-            (.., Some(number)) if number.fract() == 0.0 && number.abs() < 1e15 => number as i128,
-            _ => return Err(wrong()),
-        },
-        _ => return Err(wrong()),
-    };
-    volgraph_volume::for_scalar_type!(element.scalar_type, T => {
-        // Floats are done with: the cast is for the two arms that cannot be reached.
-        if number < T::MIN as i128 || number > T::MAX as i128 {
-            return Err(wrong());
-        }
-        Ok((number as T).to_ne_bytes().to_vec())
-    })
 }

@@ -51,7 +51,10 @@ pub(super) struct Level {
 }
 
 fn bad(what: impl Into<String>) -> VolumeError {
-    VolumeError::BadValue(Trouble::new(what, "correct the attributes, or write the image again"))
+    VolumeError::BadValue(Trouble::new(
+        what,
+        "correct the attributes, or write the image again",
+    ))
 }
 
 impl Axis {
@@ -83,7 +86,10 @@ pub(super) fn kind(said: Option<&str>, name: &str) -> Kind {
 
 /// The part of the attributes that OME speaks in.
 fn ome(attributes: &Map<String, Value>) -> &Map<String, Value> {
-    attributes.get("ome").and_then(Value::as_object).unwrap_or(attributes)
+    attributes
+        .get("ome")
+        .and_then(Value::as_object)
+        .unwrap_or(attributes)
 }
 
 /// Whether a group has images.
@@ -105,8 +111,13 @@ pub(super) fn image(attributes: &Map<String, Value>) -> Result<Image, VolumeErro
     let first = ome.get("multiscales").and_then(|list| list.get(0));
     let first = first.ok_or_else(|| bad("`multiscales` is empty"))?;
     let text = |value: &Value, key: &str| value.get(key).and_then(Value::as_str).map(str::to_owned);
-    let version = ome.get("version").and_then(Value::as_str).map(str::to_owned);
-    let version = version.or_else(|| text(first, "version")).unwrap_or_default();
+    let version = ome
+        .get("version")
+        .and_then(Value::as_str)
+        .map(str::to_owned);
+    let version = version
+        .or_else(|| text(first, "version"))
+        .unwrap_or_default();
     let axes = match first.get("axes") {
         Some(Value::Array(axes)) => {
             let axes: Option<Vec<Axis>> = axes.iter().map(Axis::of).collect();
@@ -120,7 +131,9 @@ pub(super) fn image(attributes: &Map<String, Value>) -> Result<Image, VolumeErro
     let datasets = first.get("datasets").and_then(Value::as_array);
     let datasets = datasets.filter(|list| (1..=MOST_LEVELS).contains(&list.len()));
     let datasets = datasets.ok_or_else(|| {
-        bad(format!("`multiscales` has no `datasets`, or more than {MOST_LEVELS}"))
+        bad(format!(
+            "`multiscales` has no `datasets`, or more than {MOST_LEVELS}"
+        ))
     })?;
     let of_all = first.get("coordinateTransformations");
     let level = |dataset: &Value| {
@@ -134,13 +147,22 @@ pub(super) fn image(attributes: &Map<String, Value>) -> Result<Image, VolumeErro
         level.transform(of_all)?;
         Ok(level)
     };
-    let levels: Vec<Level> = datasets.iter().map(level).collect::<Result<_, VolumeError>>()?;
-    let channels = ome.get("omero").and_then(|omero| omero.get("channels")).and_then(Value::as_array);
+    let levels: Vec<Level> = datasets
+        .iter()
+        .map(level)
+        .collect::<Result<_, VolumeError>>()?;
+    let channels = ome
+        .get("omero")
+        .and_then(|omero| omero.get("channels"))
+        .and_then(Value::as_array);
     let channels = channels.into_iter().flatten().take(1000).map(|channel| {
         let said = |key| text(channel, key).unwrap_or_default();
         (said("label"), said("color"))
     });
-    let own = ome.get("volgraph").and_then(|own| own.get("colors")).and_then(Value::as_str);
+    let own = ome
+        .get("volgraph")
+        .and_then(|own| own.get("colors"))
+        .and_then(Value::as_str);
     Ok(Image {
         version,
         name: text(first, "name").filter(|name| !name.is_empty()),
@@ -158,10 +180,16 @@ impl Level {
             let kind = step.get("type").and_then(Value::as_str).unwrap_or_default();
             let numbers = || -> Result<Vec<f64>, VolumeError> {
                 let list = step.get(kind).and_then(Value::as_array);
-                let list: Option<Vec<f64>> = list.and_then(|list| list.iter().map(Value::as_f64).collect());
-                list.filter(|list| list.len() == self.scale.len()).ok_or_else(|| {
-                    bad(format!("a {kind} of {:?} has not {} numbers", self.path, self.scale.len()))
-                })
+                let list: Option<Vec<f64>> =
+                    list.and_then(|list| list.iter().map(Value::as_f64).collect());
+                list.filter(|list| list.len() == self.scale.len())
+                    .ok_or_else(|| {
+                        bad(format!(
+                            "a {kind} of {:?} has not {} numbers",
+                            self.path,
+                            self.scale.len()
+                        ))
+                    })
             };
             match kind {
                 "identity" => {}
@@ -173,7 +201,10 @@ impl Level {
                 }
                 "translation" => {
                     let shift = numbers()?;
-                    self.translation.iter_mut().zip(shift).for_each(|(sum, shift)| *sum += shift);
+                    self.translation
+                        .iter_mut()
+                        .zip(shift)
+                        .for_each(|(sum, shift)| *sum += shift);
                 }
                 _ => {
                     return Err(VolumeError::Unsupported(Trouble::new(

@@ -28,8 +28,17 @@ pub(super) fn find(folder: &Path, name: Option<&str>) -> Result<Part, VolumeErro
     let mut looked = 0;
     collect(folder, "", 0, &mut looked, &mut parts)?;
     let choice = |cause: String, of: &[Part]| {
-        let names: Vec<&str> = of.iter().map(|part| part.path.as_str()).filter(|path| !path.is_empty()).collect();
-        let some = names.iter().take(20).copied().collect::<Vec<_>>().join(", ");
+        let names: Vec<&str> = of
+            .iter()
+            .map(|part| part.path.as_str())
+            .filter(|path| !path.is_empty())
+            .collect();
+        let some = names
+            .iter()
+            .take(20)
+            .copied()
+            .collect::<Vec<_>>()
+            .join(", ");
         let more = if names.len() > 20 { " and more" } else { "" };
         VolumeError::Option(Trouble::new(
             cause,
@@ -51,18 +60,28 @@ pub(super) fn find(folder: &Path, name: Option<&str>) -> Result<Part, VolumeErro
         return match (main.as_slice(), parts.as_slice()) {
             ([one], _) => Ok((*one).clone()),
             ([], [one]) => Ok(one.clone()),
-            _ => Err(choice(format!("this Zarr group has {} arrays or images", parts.len()), &parts)),
+            _ => Err(choice(
+                format!("this Zarr group has {} arrays or images", parts.len()),
+                &parts,
+            )),
         };
     };
     let name = name.trim_matches('/');
     if let Some(part) = parts.iter().find(|part| part.path == name) {
         return Ok(part.clone());
     }
-    let having: Vec<Part> = parts.iter().filter(|part| part.path.contains(name)).cloned().collect();
+    let having: Vec<Part> = parts
+        .iter()
+        .filter(|part| part.path.contains(name))
+        .cloned()
+        .collect();
     match having.as_slice() {
         [one] => Ok(one.clone()),
         [] => Err(choice(format!("there is no part {name:?}"), &parts)),
-        several => Err(choice(format!("{} parts have {name:?} in their names", several.len()), several)),
+        several => Err(choice(
+            format!("{} parts have {name:?} in their names", several.len()),
+            several,
+        )),
     }
 }
 
@@ -79,7 +98,13 @@ fn collect(
         image,
         is_label: path.split('/').any(|name| name == "labels"),
     };
-    let below = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}/{name}") };
+    let below = |name: &str| {
+        if path.is_empty() {
+            name.to_owned()
+        } else {
+            format!("{path}/{name}")
+        }
+    };
     let folder = inside(root, path)?;
     let attributes = match node(&folder)? {
         Some(Node::Array(_)) => {

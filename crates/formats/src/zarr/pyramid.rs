@@ -77,19 +77,35 @@ impl Pyramid {
     ///
     /// # Errors
     /// [`VolumeError::Option`] where the level or the box is not there; what may be wrong with chunks otherwise.
-    pub fn read_region(&self, level: usize, origin: [u32; 3], size: [u32; 3]) -> Result<Voxels, VolumeError> {
-        self.region(level, origin, size).map_err(|error| error.in_file(&self.folder))
+    pub fn read_region(
+        &self,
+        level: usize,
+        origin: [u32; 3],
+        size: [u32; 3],
+    ) -> Result<Voxels, VolumeError> {
+        self.region(level, origin, size)
+            .map_err(|error| error.in_file(&self.folder))
     }
 
-    fn region(&self, level: usize, origin: [u32; 3], size: [u32; 3]) -> Result<Voxels, VolumeError> {
-        let refuse = |cause: String, remedy: &str| Err(VolumeError::Option(Trouble::new(cause, remedy)));
+    fn region(
+        &self,
+        level: usize,
+        origin: [u32; 3],
+        size: [u32; 3],
+    ) -> Result<Voxels, VolumeError> {
+        let refuse =
+            |cause: String, remedy: &str| Err(VolumeError::Option(Trouble::new(cause, remedy)));
         let Some((image, known)) = self.levels.get(level) else {
             let count = self.levels.len();
-            return refuse(format!("there is no level {level} of {count}"), "name one that is there");
+            return refuse(
+                format!("there is no level {level} of {count}"),
+                "name one that is there",
+            );
         };
         let dims = known.grid.dims;
         let inside = |axis: usize| {
-            size[axis] > 0 && u64::from(origin[axis]) + u64::from(size[axis]) <= u64::from(dims[axis])
+            size[axis] > 0
+                && u64::from(origin[axis]) + u64::from(size[axis]) <= u64::from(dims[axis])
         };
         if !(0..3).all(inside) {
             return refuse(
@@ -115,7 +131,10 @@ impl Pyramid {
 
 fn chosen(image: &Image, options: &LoadOptions) -> Result<(u32, u64), VolumeError> {
     let refuse = |cause: String, count: u64| {
-        Err(VolumeError::Option(Trouble::new(cause, format!("name one of 0 to {}", count.saturating_sub(1)))))
+        Err(VolumeError::Option(Trouble::new(
+            cause,
+            format!("name one of 0 to {}", count.saturating_sub(1)),
+        )))
     };
     let step = options.time.unwrap_or(0);
     if u64::from(step) >= image.steps() {
@@ -145,6 +164,10 @@ fn level(image: Image, options: &LoadOptions) -> Result<(Image, Level), VolumeEr
         chunk[i] = size.min(dims[i]);
     }
     let scalar_type = image.array.meta.element.scalar_type;
-    let level = Level { grid, chunk, scalar_type };
+    let level = Level {
+        grid,
+        chunk,
+        scalar_type,
+    };
     Ok((image, level))
 }

@@ -1,6 +1,8 @@
 //! What the tests share: where the data lies, tables, and writers of small files.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
+pub mod zarr;
+
 use std::collections::HashMap;
 use std::io::Write as _;
 use std::path::PathBuf;
