@@ -107,17 +107,24 @@ fn every_type_and_placement_comes_back() {
                     .collect();
                 let file = path.file_name().unwrap().to_string_lossy();
                 writeln!(list, "{file}\t{ty}\t{affine}\t{data}").unwrap();
-                // Readers of the others are not here.
-                if !matches!(ending, ".nrrd" | ".nhdr" | ".mha" | ".mhd" | ".zarr") {
-                    continue;
-                }
-                let back = read(&path);
+                let back = match load(&path, &LoadOptions::default()) {
+                    Ok(back) => back,
+                    // Formats that are written and not (yet) read: other software reads them.
+                    Err(error) if matches!(ending, ".nii" | ".nii.gz" | "_2.nii" | ".npy") => {
+                        assert_eq!(error.code(), "volume-unknown-format", "{error}");
+                        continue;
+                    }
+                    Err(error) => panic!("{error}"),
+                };
                 assert_eq!(back.voxels(), volume.voxels(), "{path:?}");
-                // MetaImage has directions and spacing apart: their product may differ in the last digit.
-                let tolerance = if ending.starts_with(".mh") {
-                    1e-15
-                } else {
-                    0.0
+                let tolerance = match ending {
+                    // Directions and spacing apart: their product may differ in the last digit.
+                    ".mha" | ".mhd" => 1e-15,
+                    // float32.
+                    ".nii" | ".nii.gz" => 2e-5,
+                    // No placement at all.
+                    ".npy" => f64::INFINITY,
+                    _ => 0.0,
                 };
                 assert!(
                     close(back.grid(), &grid, tolerance),
