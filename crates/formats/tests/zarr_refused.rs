@@ -289,6 +289,38 @@ fn too_many_chunks_are_refused_before_they_are_looked_for() {
 }
 
 #[test]
+fn an_array_that_is_not_read_does_not_spoil_its_neighbours() {
+    let (_folder, path) = one("group");
+    fs::create_dir(path.join("names")).unwrap();
+    let good = fs::read_to_string(path.join("density/zarr.json")).unwrap();
+    fs::write(
+        path.join("names/zarr.json"),
+        set(&good, "/data_type", "string".into()),
+    )
+    .unwrap();
+    let part = |name: &str| LoadOptions {
+        part: Some(name.to_owned()),
+        ..LoadOptions::default()
+    };
+    assert!(load(&path, &part("density")).is_ok());
+    let error = load(&path, &part("names")).unwrap_err();
+    assert_eq!(error.code(), "volume-unknown-type");
+    assert!(error.to_string().contains("names"));
+}
+
+#[test]
+fn a_wrong_checksum_is_seen() {
+    let (_folder, path) = one("v3_gzip_crc");
+    let file = path.join("c/0/0/0");
+    let mut bytes = fs::read(&file).unwrap();
+    let last = bytes.len() - 1;
+    bytes[last] ^= 1;
+    fs::write(file, bytes).unwrap();
+    let error = load(&path, &LoadOptions::default()).unwrap_err();
+    assert!(error.trouble().cause.contains("checksum"), "{error}");
+}
+
+#[test]
 fn zipped_folders_are_refused_with_the_way_out() {
     for name in ["a.zarr.zip", "a.ozx"] {
         let bytes = b"PK\x03\x04 and so on";

@@ -106,7 +106,15 @@ fn collect(
         }
     };
     let folder = inside(root, path)?;
-    let attributes = match node(&folder)? {
+    let found = match node(&folder) {
+        // One array that is not read (of text, of dates) does not spoil its neighbours: who names it is told why.
+        Err(_) if depth > 0 => {
+            parts.push(part(None));
+            return Ok(());
+        }
+        found => found?,
+    };
+    let attributes = match found {
         Some(Node::Array(_)) => {
             parts.push(part(None));
             return Ok(());
