@@ -122,7 +122,8 @@ impl Axes {
     }
 
     fn component_axes(&self) -> impl Iterator<Item = usize> {
-        (0..self.sizes.len()).filter(|axis| !self.spatial.contains(axis) && self.time != Some(*axis))
+        (0..self.sizes.len())
+            .filter(|axis| !self.spatial.contains(axis) && self.time != Some(*axis))
     }
 
     /// Where the elements of a step lie in the file: from which one on, and how many. `None` where its elements do not

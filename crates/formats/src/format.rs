@@ -172,6 +172,13 @@ pub(crate) fn open_file<'a>(
         return nifti::open(&header, options);
     }
     let looks_like = sniff(&head.bytes);
+    if looks_like == "a zip archive" && [".zarr.zip", ".ozx"].iter().any(|end| head.ends_with(end))
+    {
+        return Err(VolumeError::Unsupported(Trouble::new(
+            "a Zarr folder in a zip archive is not read",
+            "unpack the archive, and give the folder",
+        )));
+    }
     let promised = FORMATS
         .iter()
         .find(|format| format.endings.iter().any(|ending| head.ends_with(ending)));

@@ -36,6 +36,8 @@ mod stream;
 mod text_data;
 mod tiff;
 mod vti;
+mod write;
+pub mod zarr;
 
 pub use data_files::DataFiles;
 pub use format::is_volume;
@@ -43,3 +45,4 @@ pub use load::{LoadOptions, Progress, from_bytes, load};
 pub use piece::Encoding;
 pub use raw::{RawName, parse_raw_name};
 pub use reader::VolumeReader;
+pub use write::{Compression, FileFormat, WriteOptions, Written, write};

@@ -8,7 +8,7 @@ use crate::contents::Opened;
 use crate::format::open_file;
 use crate::input::Input;
 use crate::load::{Limits, LoadOptions, Progress};
-use crate::{pick, series};
+use crate::{pick, series, zarr};
 
 /// A volume on disk (or in bytes at hand) whose header was read; [`VolumeReader::read`] takes one time step of it.
 /// It may be shared among threads and read from several at once.
@@ -27,9 +27,13 @@ impl VolumeReader<'static> {
     /// # Errors
     /// A [`VolumeError`] that names the file, the header line where there is one, the cause and the remedy.
     pub fn open(path: &Path, options: &LoadOptions) -> Result<Self, VolumeError> {
-        let opened = match series::files(path)? {
-            None => open_file(&Input::file(path)?, options),
-            Some(files) => series::open(&files, options),
+        let opened = match zarr::folder(path) {
+            // A Zarr folder is one thing, whatever files it has.
+            Some(folder) => zarr::open(&folder, options),
+            None => match series::files(path)? {
+                None => open_file(&Input::file(path)?, options),
+                Some(files) => series::open(&files, options),
+            },
         };
         let opened = opened.map_err(|error| error.in_file(path))?;
         Self::new(path.to_path_buf(), opened, options)

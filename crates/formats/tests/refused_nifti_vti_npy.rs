@@ -51,7 +51,7 @@ fn nifti_cases() -> Vec<Case> {
         ("a.nii", [one(), vec![1]].concat(), "volume-data-too-long", "49 bytes"),
         ("a.nii.gz", packed[..packed.len() - 9].to_vec(), "volume-data-too-short", "2×3×4 int16"),
         ("a.nii.gz", gzip(&[one(), one()].concat()), "volume-data-too-long", "more than 48 bytes"),
-        ("a.nii", b"\x89PNG\r\n\x1a\n".to_vec(), "volume-wrong-content", "NIfTI"),
+        ("a.nii", b"GIF89a".to_vec(), "volume-wrong-content", "NIfTI"),
         ("a.nii", at(one(), 344, b"\0\0\0\0"), "volume-unsupported", "Analyze"),
         ("a.nii", at(one(), 344, b"ni1\0"), "volume-data-file", "a.img"),
         ("a.hdr", at(one(), 344, b"ni1\0"), "volume-data-file", "a.img"),
@@ -93,7 +93,7 @@ fn vti_cases() -> Vec<Case> {
     let twice = format!("<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 3 0 0 0 0\">{twice}{twice}</ImageData></VTKFile>");
     let long = "0 2000000000 0 2000000000 0 2000000000";
     vec![
-        ("a.vti", b"\x89PNG".to_vec(), "volume-wrong-content", "VTI"),
+        ("a.vti", b"GIF89a".to_vec(), "volume-wrong-content", "VTI"),
         ("a.vti", text()[..300].to_vec(), "volume-header-syntax", "byte 286"),
         ("a.vti", with(&text(), "</VTKFile>", ""), "volume-data-too-short", "</VTKFile>"),
         ("a.vti", with(&text(), "<PointData", "<PointDada"), "volume-header-syntax", "XML"),

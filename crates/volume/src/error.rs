@@ -117,6 +117,10 @@ volume_errors! {
     DataCorrupt = "volume-data-corrupt",
     /// A load option that contradicts the file or itself.
     Option = "volume-option",
+    /// A file that cannot be written, or must not be: it is there already, or the format cannot hold the volume.
+    Write = "volume-write",
+    /// Work that was interrupted by the user.
+    Interrupted = "volume-interrupted",
     /// An analytic field or a parameter of one that does not exist or is out of range.
     Field = "volume-field",
 }

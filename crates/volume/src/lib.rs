@@ -14,6 +14,7 @@ mod about;
 pub mod analytic;
 mod brick_details;
 mod bricks;
+pub mod edit;
 mod error;
 mod grid;
 mod scalar;

@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
 pub mod expected;
+pub mod zarr;
 
 use std::collections::HashMap;
 use std::io::Write as _;

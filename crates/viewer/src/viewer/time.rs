@@ -64,8 +64,7 @@ impl TimeBar {
                 .range(0.1..=60.0)
                 .speed(0.1)
                 .suffix(" steps/s");
-            ui.add(rate)
-                .on_hover_text("how fast it plays, at most");
+            ui.add(rate).on_hover_text("how fast it plays, at most");
         });
         if self.is_playing {
             step = self.next(ui, told, shown, count);
@@ -75,24 +74,21 @@ impl TimeBar {
             return Vec::new();
         }
         self.asked = Some((step, Instant::now(), told.serial));
-        let sets = series.iter().filter_map(|(source, ..)| {
-            ParamOverride::parse(&format!("{source}.time={step}")).ok()
-        });
+        let sets = series
+            .iter()
+            .filter_map(|(source, ..)| ParamOverride::parse(&format!("{source}.time={step}")).ok());
         vec![Request::Set(sets.collect())]
     }
 
     /// The step to be shown now while it plays: the next one where this one has been seen long enough.
     fn next(&self, ui: &Ui, told: &Told, shown: u32, count: u32) -> u32 {
         let each = Duration::from_secs_f64(1.0 / self.rate);
-        ui.ctx().request_repaint_after(each.min(Duration::from_millis(50)));
+        ui.ctx()
+            .request_repaint_after(each.min(Duration::from_millis(50)));
         let is_due = self.asked.is_none_or(|(asked, at, serial)| {
             // A step that was refused is not asked for again and again.
             (asked == shown && told.serial != serial || !told.is_busy) && at.elapsed() >= each
         });
-        if is_due {
-            (shown + 1) % count
-        } else {
-            shown
-        }
+        if is_due { (shown + 1) % count } else { shown }
     }
 }
