@@ -51,9 +51,14 @@ pub fn locate(name: &Path) -> PathBuf {
     if let Some(volume) = on_disk.as_ref().filter(|path| alone::is_volume(path)) {
         return alone::path_for(volume);
     }
-    on_disk
-        .or_else(embedded)
-        .unwrap_or_else(|| name.to_path_buf())
+    on_disk.or_else(embedded).unwrap_or_else(|| {
+        // Nothing else is meant by it: a folder of slices, or a pattern that names them.
+        if alone::is_volume(name) {
+            alone::path_for(name)
+        } else {
+            name.to_path_buf()
+        }
+    })
 }
 
 /// A path, the same with the extension, and for a bare name both in the folders of ready graphs.

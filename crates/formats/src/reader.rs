@@ -157,8 +157,11 @@ impl<'a> VolumeReader<'a> {
             None => volume,
         };
         let others = contents.data_files.iter();
-        let others = others.filter(|file| **file != self.path).cloned();
-        let files = std::iter::once(self.path.clone()).chain(others).collect();
+        let mut files: Vec<PathBuf> = others.filter(|file| **file != self.path).cloned().collect();
+        // A folder or a pattern is no file itself; bytes at hand have their name.
+        if files.is_empty() || self.path.is_file() {
+            files.insert(0, self.path.clone());
+        }
         let warnings = contents.warnings.iter();
         let warnings = warnings.map(|text| format!("{}: {text}", self.path.display()));
         Ok(volume.with_sources(files, warnings.collect()))

@@ -91,7 +91,7 @@ impl Viewer {
 
     /// Puts a graph in front of the recent ones; those of volgraph's own are in a menu anyway.
     pub(crate) fn remember(&mut self, graph: &Path) {
-        if graph.is_file() {
+        if graph.exists() {
             self.settings.remember(graph);
         }
     }

@@ -9,13 +9,13 @@ mod each;
 mod live;
 mod ray;
 mod verify;
+mod volumes;
 mod words;
 
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand};
 use volgraph::{AdapterChoice, CameraDesc, Overrides, ParamOverride, ShaderFolders};
-use volgraph_volume::{Component, ScalarType};
 
 pub use accuracy::{AdviseArgs, ReferenceArgs, StressArgs};
 pub use animate::{AnimateArgs, Steps};
@@ -26,10 +26,9 @@ pub use each::EachSceneArgs;
 pub use live::{ViewArgs, WatchArgs};
 pub use ray::RayArgs;
 pub use verify::{STOCK, VerifyArgs};
+pub use volumes::{ConvertArgs, InfoArgs, WriteArgs};
 
-use self::words::{
-    parse_bound, parse_camera, parse_dims, parse_size, parse_slot, parse_type, parse_volume,
-};
+use self::words::{parse_bound, parse_camera, parse_size, parse_slot, parse_volume};
 
 /// Draws volumes with WGSL shaders that plug into a render graph, and says how wrong each picture is.
 #[derive(Parser, Debug)]
@@ -82,6 +81,11 @@ pub enum Command {
     Test(TestArgs),
     /// Print a volume's dimensions, placement and statistics.
     Info(InfoArgs),
+    /// Write a volume into a file of another format; crop, resample or change its type on the way.
+    ///
+    /// Placement, and what the file says of units and labels, go along where the format can say it; what it cannot is a
+    /// warning. An interrupt leaves no half-written file.
+    Convert(ConvertArgs),
     /// Print a shader with everything it imports as one WGSL text, each part with the file it comes from.
     ///
     /// Slots that are not named take the choices that the node kinds declare, or those of the graph. What is wrong with
@@ -287,37 +291,6 @@ pub enum FindingFormat {
     Json,
     /// Annotations of GitHub Actions.
     Github,
-}
-
-/// `volgraph info`.
-#[derive(ClapArgs, Debug)]
-pub struct InfoArgs {
-    /// The volume: a file, a folder or a pattern of names.
-    pub volume: PathBuf,
-    /// Dimensions of a raw file whose name does not say.
-    #[arg(long, value_name = "XxYxZ", value_parser = parse_dims)]
-    pub dims: Option<[u32; 3]>,
-    /// Scalar type of a raw file whose name does not say, such as uint8.
-    #[arg(long = "type", value_name = "TYPE", value_parser = parse_type)]
-    pub scalar_type: Option<ScalarType>,
-    /// A raw file has its highest byte first.
-    #[arg(long)]
-    pub big_endian: bool,
-    /// Which of several values per voxel: its number from 0, `magnitude` or `color`.
-    #[arg(long, value_name = "NUMBER | magnitude | color")]
-    pub component: Option<Component>,
-    /// Which time step, from 0.
-    #[arg(long, value_name = "STEP")]
-    pub time: Option<u32>,
-    /// Which volume of several, by a part of its name.
-    #[arg(long, value_name = "NAME")]
-    pub part: Option<String>,
-    /// Which level of a multi-resolution file; 0 is the finest.
-    #[arg(long)]
-    pub level: Option<u32>,
-    /// Print JSON.
-    #[arg(long)]
-    pub json: bool,
 }
 
 /// `volgraph link`.

@@ -7,6 +7,7 @@ mod bench;
 mod chart;
 mod check;
 mod compare;
+mod convert;
 mod drawing;
 mod errors;
 mod gallery;
@@ -38,6 +39,7 @@ use volgraph::truth::default_cache;
 use volgraph::{Finding, Findings, Place, Scene, SessionOptions, alone, registry};
 use volgraph_graph::is_embedded;
 use volgraph_picture::{PictureError, PngBits};
+use volgraph_volume::VolumeError;
 
 use crate::args::{Command, SceneArgs};
 use crate::output;
@@ -56,6 +58,7 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Plan(args) => plan::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Convert(args) => convert::run(&args),
         Command::Link(args) => link::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Nodes(args) => nodes::run(&args),
@@ -71,6 +74,11 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Watch(args) => watch::run(&args),
         Command::View(args) => view::run(&args),
     }
+}
+
+/// An error about a volume as what commands return.
+fn volume_error(error: VolumeError) -> anyhow::Error {
+    Findings::from(Finding::from(error)).into()
 }
 
 /// Loads a scene with a progress bar and tells its warnings.

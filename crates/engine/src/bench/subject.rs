@@ -66,7 +66,7 @@ impl Subject {
         }
         let file = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
         // A name that is nowhere here may lie in one of the folders of data, which takes its own words.
-        let file = if file.exists() {
+        let file = if volgraph_graph::is_there(&file) {
             file.display().to_string()
         } else {
             what.to_owned()

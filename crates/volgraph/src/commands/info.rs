@@ -21,21 +21,14 @@ const HISTOGRAM_COLUMNS: f64 = 40.0;
 pub fn run(args: &InfoArgs) -> anyhow::Result<ExitCode> {
     let bars = Arc::new(Bars::new());
     let shown = Arc::clone(&bars);
-    let what = format!("reading {}", args.volume.display());
+    let what = format!("reading {}", args.volume.volume.display());
     let options = LoadOptions {
-        dims: args.dims,
-        scalar_type: args.scalar_type,
-        big_endian: args.big_endian,
-        component: args.component,
-        part: args.part.clone(),
-        level: args.level,
-        time: args.time,
         progress: Some(Arc::new(move |done, total| {
             shown.update(&what, done, total);
         })),
-        ..LoadOptions::default()
+        ..args.volume.options()
     };
-    let loaded = volgraph_formats::load(&args.volume, &options);
+    let loaded = volgraph_formats::load(&args.volume.volume, &options);
     bars.clear();
     let volume = loaded.map_err(|error| Findings::from(Finding::from(error)))?;
     if args.json {

@@ -135,7 +135,7 @@ fn missing_volume<'d>(
     };
     let file = folders.find(text);
     let shown = file.strip_prefix(EMBEDDED_GRAPHS).map(Path::to_path_buf);
-    (!file.exists()).then(|| (path, shown.unwrap_or(file)))
+    (!volgraph_graph::is_there(&file)).then(|| (path, shown.unwrap_or(file)))
 }
 
 /// Eight voxels over the whole range of their type.
