@@ -26,6 +26,7 @@ mod lost_devices;
 mod materials;
 mod memory_of_work;
 mod multivolume;
+mod orientations;
 mod plans;
 mod projections;
 mod quadratures;
