@@ -32,8 +32,13 @@ impl Interrupt {
     }
 
     /// The work has stopped: where a signal asked for that, the program ends by it.
-    pub fn end_as_the_signal_does(&self) {
+    pub fn end_as_the_signal_does(self) {
         *WATCHED.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        self.end_if_asked();
+    }
+
+    /// Ends the program where a signal asked for that, while there is nothing to be cleaned up yet.
+    pub fn end_if_asked(&self) {
         let signal = CAME.load(Ordering::SeqCst);
         if signal != 0 {
             end_by(signal);

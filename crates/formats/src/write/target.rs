@@ -32,7 +32,7 @@ pub(super) fn check(path: &Path, folder: bool, options: &WriteOptions) -> Result
     if !options.overwrite {
         return refuse(
             "is there already",
-            "give another name, or ask to overwrite it",
+            "give another name, or overwrite it (--force)",
         );
     }
     if folder != there.is_dir() {

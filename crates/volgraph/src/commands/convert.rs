@@ -44,7 +44,7 @@ fn work(args: &ConvertArgs, bars: &Arc<Bars>, interrupt: &Interrupt) -> Result<D
         progress: Some(Arc::new(move |done, total| {
             shown.update(&what, done, total);
             // Nothing is written yet.
-            asked.end_as_the_signal_does();
+            asked.end_if_asked();
         })),
         ..args.volume.options()
     };
