@@ -11,5 +11,6 @@ mod parameters;
 mod ray;
 mod slices;
 mod slots;
+mod time;
 mod transfer;
 mod view;
