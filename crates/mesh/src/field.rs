@@ -167,8 +167,7 @@ fn fill(
 }
 
 fn grid((lo, hi): (DVec3, DVec3), options: &FieldOptions) -> Result<Grid, MeshError> {
-    let refuse =
-        |cause: String, remedy: &str| Err(MeshError::Option(Trouble::new(cause, remedy)));
+    let refuse = |cause: String, remedy: &str| Err(MeshError::Option(Trouble::new(cause, remedy)));
     let extent = hi - lo;
     let margins = u64::from(options.margin) * 2;
     let room = |n: u32| u64::from(n).checked_sub(margins).filter(|&n| n > 0);
@@ -216,7 +215,9 @@ fn grid((lo, hi): (DVec3, DVec3), options: &FieldOptions) -> Result<Grid, MeshEr
     // A grid that is within the limit in bytes may still have an axis beyond u32.
     if !(bytes <= max_bytes as f64 && voxels.max_element() < f64::from(u32::MAX)) {
         return Err(MeshError::TooLarge(Trouble::new(
-            format!("a field of {voxels} voxels is {bytes} bytes, more than the limit of {max_bytes} bytes"),
+            format!(
+                "a field of {voxels} voxels is {bytes} bytes, more than the limit of {max_bytes} bytes"
+            ),
             "use a coarser resolution, or raise the limit (max_bytes)",
         )));
     }

@@ -189,9 +189,9 @@ impl Mesh {
     #[must_use]
     pub fn bounds(&self) -> (DVec3, DVec3) {
         let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        self.corners().flatten().fold(nothing, |(lo, hi), corner| {
-            (lo.min(corner), hi.max(corner))
-        })
+        self.corners()
+            .flatten()
+            .fold(nothing, |(lo, hi), corner| (lo.min(corner), hi.max(corner)))
     }
 
     /// The volume within the faces, by the divergence theorem about the middle of the bounds: exact for a closed

@@ -134,9 +134,7 @@ impl SignedDistance {
             );
         }
         let side = match method {
-            SignMethod::PseudoNormal => {
-                Side::PseudoNormal(PseudoNormals::new(&tree, &topology))
-            }
+            SignMethod::PseudoNormal => Side::PseudoNormal(PseudoNormals::new(&tree, &topology)),
             SignMethod::Winding => Side::Winding(Winding::new(&tree)),
             SignMethod::Unsigned => Side::Unsigned,
         };
@@ -282,7 +280,10 @@ fn open_warning(report: &MeshReport) -> String {
     for (count, what) in [
         (report.boundary_edges, "edges of holes"),
         (report.non_manifold_edges, "edges of more than two faces"),
-        (report.turned_edges, "edges between faces that look to different sides"),
+        (
+            report.turned_edges,
+            "edges between faces that look to different sides",
+        ),
     ] {
         if count > 0 {
             found.push(format!("{count} {what}"));

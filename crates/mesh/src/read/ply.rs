@@ -254,7 +254,10 @@ fn keep(soup: &mut Soup, element: &ElementDef, read: Element) -> Result<(), Mesh
             let position = DVec3::from_array(read.position);
             if !position.is_finite() {
                 return Err(MeshError::BadValue(Trouble::new(
-                    format!("vertex {} (from 0) lies at {position}", soup.positions.len()),
+                    format!(
+                        "vertex {} (from 0) lies at {position}",
+                        soup.positions.len()
+                    ),
                     "give every vertex three finite coordinates",
                 )));
             }

@@ -1,0 +1,505 @@
+//! Signed distances of shapes against closed forms.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod common;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use common::{
+    Faces, Random, below, both, cuboid, cuboid_distance, icosphere, mesh, moved, torus,
+    torus_distance, turned,
+};
+use glam::DVec3;
+use volgraph_mesh::{
+    FieldOptions, Mesh, Resolution, Sign, SignMethod, SignedDistance, Up, distance_field,
+};
+use volgraph_volume::{Values, Volume, Voxels};
+
+const HALF: DVec3 = DVec3::new(1.0, 2.0, 0.5);
+
+fn values(volume: &Volume) -> &[f32] {
+    match volume.voxels() {
+        Voxels::F32(values) => values,
+        other => panic!("{}", other.scalar_type()),
+    }
+}
+
+fn distances(faces: Faces, sign: Sign, method: SignMethod) -> SignedDistance {
+    let distance = SignedDistance::new(&mesh(faces), sign).unwrap();
+    assert_eq!(distance.method(), method);
+    distance
+}
+
+/// Points everywhere, and points very near to and exactly beside each corner, edge and face of a box.
+fn probes(half: DVec3) -> Vec<DVec3> {
+    let mut random = Random(7);
+    let mut probes: Vec<DVec3> = (0..4000).map(|_| random.point(3.0)).collect();
+    for i in 0..27 {
+        let side = |n: i32| f64::from(n % 3 - 1);
+        let on = DVec3::new(side(i), side(i / 3), side(i / 9)) * half;
+        for scale in [1e-3, 1e-6, 1e-9] {
+            probes.extend((0..40).map(|_| on + random.point(scale)));
+        }
+    }
+    probes
+}
+
+#[test]
+fn a_box_is_exact_at_faces_edges_and_corners() {
+    for (sign, method) in [
+        (Sign::Auto, SignMethod::PseudoNormal),
+        (Sign::Winding, SignMethod::Winding),
+    ] {
+        let distance = distances(cuboid(HALF), sign, method);
+        for p in probes(HALF) {
+            let (got, want) = (distance.at(p), cuboid_distance(p, HALF));
+            assert!(
+                (got - want).abs() < 1e-14,
+                "{sign:?} {p}: {got}, not {want}"
+            );
+        }
+    }
+    let unsigned = distances(cuboid(HALF), Sign::Unsigned, SignMethod::Unsigned);
+    assert_eq!(unsigned.at(DVec3::ZERO), 0.5);
+}
+
+#[test]
+fn a_ball_is_as_round_as_its_chords() {
+    let (positions, triangles) = icosphere(5);
+    let sagitta = triangles
+        .iter()
+        .map(|corners| {
+            corners
+                .iter()
+                .map(|&i| positions[i as usize])
+                .sum::<DVec3>()
+                / 3.0
+        })
+        .map(|middle| 1.0 - middle.length())
+        .fold(0.0, f64::max);
+    assert!(sagitta < 1e-3);
+    let distance = distances((positions, triangles), Sign::Auto, SignMethod::PseudoNormal);
+    let mut random = Random(3);
+    for _ in 0..5000 {
+        let p = random.point(2.0);
+        let off = distance.at(p) - (p.length() - 1.0);
+        // The mesh lies within the ball.
+        assert!(
+            (-1e-14..sagitta * 1.01).contains(&off),
+            "{p}: {off} of {sagitta}"
+        );
+    }
+}
+
+#[test]
+fn a_torus_is_as_round_as_its_chords() {
+    let distance = distances(
+        torus(2.0, 0.7, 200, 80),
+        Sign::Auto,
+        SignMethod::PseudoNormal,
+    );
+    assert_eq!(distance.report().euler, 0);
+    // Sagittas of the chords around and across.
+    let bound = 2.7 * (1.0 - (std::f64::consts::PI / 200.0).cos())
+        + 0.7 * (1.0 - (std::f64::consts::PI / 80.0).cos());
+    let mut random = Random(4);
+    for _ in 0..5000 {
+        let p = random.point(3.0);
+        let off = distance.at(p) - torus_distance(p, 2.0, 0.7);
+        assert!(off.abs() < bound, "{p}: {off} of {bound}");
+    }
+}
+
+#[test]
+fn an_open_bowl_has_an_inside_by_winding_numbers() {
+    let bowl = below(0.0, icosphere(4));
+    let distance = distances(bowl.clone(), Sign::Auto, SignMethod::Winding);
+    assert!(distance.report().boundary_edges > 30);
+    assert!(distance.warnings()[0].contains("not closed"));
+    // A half ball's winding number is that of a disc seen from behind: 1/2 in its plane.
+    for (z, want) in [
+        (-0.9, true),
+        (-0.5, true),
+        (-0.05, true),
+        (0.05, false),
+        (0.5, false),
+        (-1.1, false),
+    ] {
+        let p = DVec3::new(0.01, 0.02, z);
+        assert_eq!(distance.at(p) < 0.0, want, "{z}");
+    }
+    let on_axis = distance.winding_number(DVec3::new(0.0, 0.0, 0.5)).unwrap();
+    // The rim of the bowl is a zigzag near z = 0: the disc's solid angle is 2π (1 - cos) to a few percent.
+    let want = 0.5 * (1.0 - 0.5 / 1.25_f64.sqrt());
+    assert!((on_axis - want).abs() < 0.02, "{on_axis}, not {want}");
+    // The distance itself is exact whatever the sign.
+    let mut random = Random(5);
+    for _ in 0..1000 {
+        let p = random.point(0.9) - DVec3::Z;
+        if p.z < -0.1 {
+            let off = distance.at(p).abs() - (p.length() - 1.0).abs();
+            assert!(off.abs() < 5e-3, "{p}: {off}");
+        }
+    }
+    // Turned around, it is turned back.
+    let inverted = distances(turned(bowl), Sign::Auto, SignMethod::Winding);
+    assert!(inverted.warnings()[0].contains("inwards"));
+    assert_eq!(
+        inverted.at(DVec3::NEG_Z * 0.5),
+        distance.at(DVec3::NEG_Z * 0.5)
+    );
+}
+
+#[test]
+fn overlapping_and_nested_parts_are_solid_and_cavities_are_not() {
+    let ball = |x: f64, scale: f64| moved(icosphere(3), DVec3::X * x, scale);
+    let sides = |faces: Faces, method: SignMethod, inside: &[f64], outside: &[f64]| {
+        let distance = distances(faces, Sign::Auto, method);
+        for &x in inside {
+            assert!(distance.at(DVec3::X * x) < 0.0, "{x}");
+        }
+        for &x in outside {
+            assert!(distance.at(DVec3::X * x) > 0.0, "{x}");
+        }
+    };
+    let winding = SignMethod::Winding;
+    let lens = both(ball(0.0, 1.0), ball(1.0, 1.0));
+    sides(
+        lens.clone(),
+        winding,
+        &[-0.9, 0.1, 0.5, 0.95, 1.05, 1.9],
+        &[-1.1, 2.1],
+    );
+    let nested = both(ball(0.0, 1.0), ball(0.0, 0.5));
+    sides(nested, winding, &[0.0, 0.45, 0.55, 0.95], &[1.1]);
+    let cavity = both(ball(0.0, 1.0), turned(ball(0.0, 0.5)));
+    sides(cavity, winding, &[0.55, 0.95], &[0.0, 0.45, 1.1]);
+    let apart = both(ball(0.0, 1.0), ball(3.0, 1.0));
+    sides(
+        apart,
+        SignMethod::PseudoNormal,
+        &[0.9, 2.1, 3.5],
+        &[1.1, 1.9, 4.1],
+    );
+    // Pseudo-normals alone take the inner wall for the outside of the other ball: why `auto` does not choose them.
+    let wrong = SignedDistance::new(&mesh(lens), Sign::PseudoNormal).unwrap();
+    assert!(wrong.at(DVec3::X * 1.05) > 0.0 || wrong.at(DVec3::X * -0.05) > 0.0);
+    assert!(wrong.warnings()[0].contains("may be wrong"));
+}
+
+#[test]
+fn a_ball_of_inverted_faces_is_turned() {
+    let distance = distances(turned(icosphere(2)), Sign::Auto, SignMethod::PseudoNormal);
+    assert!(distance.at(DVec3::ZERO) < -0.9 && distance.at(DVec3::X * 2.0) > 0.9);
+    assert!(distance.warnings()[0].contains("inwards"));
+    // Edges and corners were turned with the faces.
+    let distance = distances(turned(cuboid(HALF)), Sign::Auto, SignMethod::PseudoNormal);
+    for p in probes(HALF) {
+        let (got, want) = (distance.at(p), cuboid_distance(p, HALF));
+        assert!((got - want).abs() < 1e-14, "{p}: {got}, not {want}");
+    }
+}
+
+#[test]
+fn repeated_vertices_are_one() {
+    let (positions, triangles) = cuboid(HALF);
+    let soup: Vec<DVec3> = triangles
+        .iter()
+        .flatten()
+        .map(|&i| positions[i as usize])
+        .collect();
+    let numbered = (0..12).map(|i| [i * 3, i * 3 + 1, i * 3 + 2]).collect();
+    let report = mesh((soup.clone(), numbered)).report();
+    assert!(report.is_watertight() && report.is_oriented());
+    assert_eq!(
+        (report.vertices, report.duplicates, report.euler),
+        (36, 28, 2)
+    );
+    let numbered = (0..12).map(|i| [i * 3, i * 3 + 1, i * 3 + 2]).collect();
+    let distance = distances((soup, numbered), Sign::Auto, SignMethod::PseudoNormal);
+    let p = HALF + 1e-7;
+    assert!((distance.at(p) - cuboid_distance(p, HALF)).abs() < 1e-15);
+}
+
+#[test]
+fn reports_count_what_is_wrong() {
+    let report = mesh(cuboid(HALF)).report();
+    assert_eq!(
+        (report.vertices, report.triangles, report.components),
+        (8, 12, 1)
+    );
+    assert!((report.signed_volume - 8.0).abs() < 1e-12);
+    assert_eq!(report.bounds, (-HALF, HALF));
+    let (positions, mut triangles) = cuboid(HALF);
+    triangles[0].swap(0, 1);
+    let report = mesh((positions.clone(), triangles.clone())).report();
+    assert_eq!(
+        (
+            report.turned_edges,
+            report.is_watertight(),
+            report.is_oriented()
+        ),
+        (3, true, false)
+    );
+    triangles.remove(0);
+    let report = mesh((positions.clone(), triangles.clone())).report();
+    assert_eq!(
+        (report.boundary_edges, report.turned_edges, report.euler),
+        (3, 0, 1)
+    );
+    triangles.push(triangles[0]);
+    let report = mesh((positions, triangles)).report();
+    assert_eq!(report.non_manifold_edges, 2);
+    let text = report.to_string();
+    assert!(
+        text.contains("non-manifold edges  2") && text.contains("watertight          no"),
+        "{text}"
+    );
+    let report = mesh(both(cuboid(HALF), moved(cuboid(HALF), DVec3::X * 5.0, 1.0))).report();
+    assert_eq!(
+        (report.components, report.components_meet, report.euler),
+        (2, false, 4)
+    );
+}
+
+#[test]
+fn size_and_place_change_nothing_but_the_unit() {
+    let options = FieldOptions {
+        resolution: Resolution::LongestAxis(32),
+        ..FieldOptions::default()
+    };
+    let plain = distance_field(&mesh(torus(2.0, 0.7, 40, 20)), &options).unwrap();
+    for scale in [1e-20, 1e-3, 1e20] {
+        let faces = moved(
+            torus(2.0, 0.7, 40, 20),
+            DVec3::new(5.0, -7.0, 1.0) * scale,
+            scale,
+        );
+        let scaled = distance_field(&mesh(faces), &options).unwrap();
+        assert_eq!(scaled.grid().dims, plain.grid().dims);
+        for (a, b) in values(&plain).iter().zip(values(&scaled)) {
+            let b = f64::from(*b) / scale;
+            assert!((f64::from(*a) - b).abs() < 1e-6, "{a}, {b}");
+        }
+    }
+    for scale in [1e-40, 1e40] {
+        let faces = moved(icosphere(1), DVec3::ZERO, scale);
+        let error = distance_field(&mesh(faces), &options).unwrap_err();
+        assert_eq!(error.code(), "mesh-bad-value");
+    }
+}
+
+/// The steps between neighbours are at most a voxel, and most gradients are of length 1.
+#[test]
+fn gradients_are_of_length_one() {
+    let field = distance_field(&mesh(torus(2.0, 0.7, 100, 50)), &FieldOptions::default()).unwrap();
+    let [nx, ny, nz] = field.grid().dims.map(|n| n as usize);
+    let (values, voxel) = (values(&field), field.grid().min_spacing());
+    let at = |x: usize, y: usize, z: usize| f64::from(values[(z * ny + y) * nx + x]);
+    let (mut good, mut all, mut steepest) = (0, 0, 0.0_f64);
+    for (x, y, z) in
+        (1..nz - 1).flat_map(|z| (1..ny - 1).flat_map(move |y| (1..nx - 1).map(move |x| (x, y, z))))
+    {
+        let gradient = DVec3::new(
+            at(x + 1, y, z) - at(x - 1, y, z),
+            at(x, y + 1, z) - at(x, y - 1, z),
+            at(x, y, z + 1) - at(x, y, z - 1),
+        ) / (2.0 * voxel);
+        steepest = steepest.max((at(x, y, z) - at(x + 1, y, z)).abs() / voxel);
+        all += 1;
+        good += i32::from((gradient.length() - 1.0).abs() < 0.02);
+    }
+    let share = f64::from(good) / f64::from(all);
+    assert!(share > 0.97, "{share}");
+    assert!(steepest < 1.0 + 1e-5, "{steepest}");
+}
+
+#[test]
+fn fields_are_the_distances_at_the_voxels() {
+    for faces in [
+        torus(2.0, 0.7, 40, 20),
+        below(0.3, icosphere(3)),
+        both(icosphere(2), moved(icosphere(2), DVec3::X, 1.0)),
+    ] {
+        let mesh = mesh(faces);
+        let distance = SignedDistance::new(&mesh, Sign::Auto).unwrap();
+        for band in [None, Some(2.5), Some(0.3)] {
+            let options = FieldOptions {
+                resolution: Resolution::LongestAxis(40),
+                band,
+                ..FieldOptions::default()
+            };
+            let field = distance_field(&mesh, &options).unwrap();
+            let limit = band.map_or(f64::INFINITY, |band| band * field.grid().min_spacing());
+            let [nx, ny, _] = field.grid().dims;
+            for (i, &value) in (0_u32..).zip(values(&field)) {
+                let index = DVec3::new(
+                    f64::from(i % nx),
+                    f64::from(i / nx % ny),
+                    f64::from(i / nx / ny),
+                );
+                let p = field.grid().world_from_index.transform_point3(index);
+                let want = distance.at(p).clamp(-limit, limit);
+                assert!(
+                    (f64::from(value) - want).abs() < 1e-6,
+                    "{band:?} {index}: {value}, not {want}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn grids_hold_the_mesh_and_its_margin() {
+    let mesh = mesh(moved(cuboid(HALF), DVec3::new(10.0, 20.0, 30.0), 1.0));
+    let field = |resolution, margin| {
+        let options = FieldOptions {
+            resolution,
+            margin,
+            ..FieldOptions::default()
+        };
+        distance_field(&mesh, &options)
+    };
+    // 4 units in 20 voxels between two margins of 2: voxels of 0.2, and 10 and 5 of them along the other axes.
+    let volume = field(Resolution::LongestAxis(24), 2).unwrap();
+    let grid = *volume.grid();
+    assert_eq!(grid.dims, [14, 24, 9]);
+    assert!((grid.min_spacing() - 0.2).abs() < 1e-12);
+    let (lo, hi) = (grid.corners_world()[0], grid.corners_world()[7]);
+    assert!(lo.abs_diff_eq(DVec3::new(8.6, 17.6, 29.1), 1e-12), "{lo}");
+    assert!(hi.abs_diff_eq(DVec3::new(11.4, 22.4, 30.9), 1e-12), "{hi}");
+    assert_eq!(
+        volume.about().values,
+        Values::Named("signed distance".into())
+    );
+    assert_eq!(volume.about().length_unit, None);
+    let facts = &volume.about().facts;
+    assert!(
+        facts.contains(&("sign".into(), "pseudo-normals".into())),
+        "{facts:?}"
+    );
+
+    assert_eq!(
+        field(Resolution::VoxelSize(0.2), 2).unwrap().grid().dims,
+        [14, 24, 9]
+    );
+    assert_eq!(
+        field(Resolution::VoxelSize(0.19), 0).unwrap().grid().dims,
+        [11, 22, 6]
+    );
+    let grid = *field(Resolution::Dims([20, 24, 40]), 2).unwrap().grid();
+    assert_eq!(grid.dims, [20, 24, 40]);
+    assert!((grid.min_spacing() - 0.2).abs() < 1e-12);
+    let middle = grid.corners_world()[0].midpoint(grid.corners_world()[7]);
+    assert!(
+        middle.abs_diff_eq(DVec3::new(10.0, 20.0, 30.0), 1e-12),
+        "{middle}"
+    );
+
+    for (resolution, margin, code) in [
+        (Resolution::LongestAxis(6), 3, "mesh-option"),
+        (Resolution::LongestAxis(0), 0, "mesh-option"),
+        (Resolution::Dims([20, 4, 20]), 2, "mesh-option"),
+        (Resolution::VoxelSize(0.0), 2, "mesh-option"),
+        (Resolution::VoxelSize(f64::NAN), 2, "mesh-option"),
+        (Resolution::VoxelSize(1e-9), 2, "mesh-too-large"),
+        (Resolution::VoxelSize(1e-300), 2, "mesh-too-large"),
+        (Resolution::LongestAxis(u32::MAX), 2, "mesh-too-large"),
+        (Resolution::LongestAxis(40), u32::MAX, "mesh-option"),
+    ] {
+        let error = field(resolution, margin).unwrap_err();
+        assert_eq!(error.code(), code, "{resolution:?}: {error}");
+        assert!(!error.trouble().remedy.is_empty());
+    }
+    for band in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let options = FieldOptions {
+            band: Some(band),
+            ..FieldOptions::default()
+        };
+        assert_eq!(
+            distance_field(&mesh, &options).unwrap_err().code(),
+            "mesh-option"
+        );
+    }
+    let options = FieldOptions {
+        max_bytes: Some(1000),
+        ..FieldOptions::default()
+    };
+    assert_eq!(
+        distance_field(&mesh, &options).unwrap_err().code(),
+        "mesh-too-large"
+    );
+}
+
+#[test]
+fn a_flat_mesh_has_a_field_too() {
+    let square = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::ONE - DVec3::Z];
+    let mesh = Mesh::new("square", square, vec![[0, 1, 3], [0, 3, 2]]).unwrap();
+    let options = FieldOptions {
+        resolution: Resolution::LongestAxis(16),
+        sign: Sign::Unsigned,
+        ..FieldOptions::default()
+    };
+    let field = distance_field(&mesh, &options).unwrap();
+    assert_eq!(field.grid().dims, [16, 16, 7]);
+    assert_eq!(field.statistics().min, 0.0);
+}
+
+#[test]
+fn a_mesh_with_y_up_stands_on_its_feet() {
+    // A tall box, higher in y: higher in z when turned.
+    let tall = moved(
+        cuboid(DVec3::new(1.0, 3.0, 0.5)),
+        DVec3::new(0.0, 3.0, 1.0),
+        1.0,
+    );
+    let options = FieldOptions {
+        up: Up::Y,
+        ..FieldOptions::default()
+    };
+    let field = distance_field(&mesh(tall), &options).unwrap();
+    let [nx, ny, nz] = field.grid().dims;
+    assert!(nz > nx && nx > ny);
+    let (lo, hi) = (
+        field.grid().corners_world()[0],
+        field.grid().corners_world()[7],
+    );
+    let middle = lo.midpoint(hi);
+    assert!(
+        middle.abs_diff_eq(DVec3::new(0.0, -1.0, 3.0), 1e-12),
+        "{middle}"
+    );
+    assert!(field.warnings().is_empty());
+}
+
+#[test]
+fn progress_reaches_the_end_and_cancelling_stops() {
+    let mesh = mesh(icosphere(2));
+    let (last, calls) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicU64::new(0)));
+    let cancel = Arc::new(AtomicBool::new(false));
+    let (seen, counted) = (last.clone(), calls.clone());
+    let mut options = FieldOptions {
+        resolution: Resolution::LongestAxis(64),
+        progress: Some(Arc::new(move |done, total| {
+            assert!(done <= total);
+            seen.fetch_max(done, Ordering::Relaxed);
+            counted.fetch_add(1, Ordering::Relaxed);
+        })),
+        cancel: Some(cancel.clone()),
+        ..FieldOptions::default()
+    };
+    let field = distance_field(&mesh, &options).unwrap();
+    assert_eq!(last.load(Ordering::Relaxed), field.grid().voxel_count());
+    let all = calls.swap(0, Ordering::Relaxed);
+    // Cancelled from within the first report: the rest is not computed.
+    options.progress = Some(Arc::new(move |_, _| {
+        calls.fetch_add(1, Ordering::Relaxed);
+        cancel.store(true, Ordering::Relaxed);
+        assert!(calls.load(Ordering::Relaxed) < all / 2);
+    }));
+    assert_eq!(
+        distance_field(&mesh, &options).unwrap_err().code(),
+        "mesh-cancelled"
+    );
+}
