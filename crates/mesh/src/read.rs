@@ -157,8 +157,19 @@ fn unknown(name: &str, bytes: &[u8]) -> MeshError {
     ))
 }
 
+/// The longest line of a text that is taken apart: a polygon of a hundred thousand corners fits. Words cost a
+/// multiple of their bytes, so a file of one endless line is refused instead.
+pub(crate) const MAX_LINE: usize = 1 << 20;
+
+pub(crate) fn line_too_long() -> MeshError {
+    MeshError::Unsupported(Trouble::new(
+        format!("the line is longer than {MAX_LINE} bytes"),
+        "write each vertex and each face on a line of its own",
+    ))
+}
+
 /// A part of a file for a message: short, and of printable characters.
 pub(crate) fn excerpt(text: &str) -> String {
-    let first: String = text.trim().chars().take(40).collect();
+    let first: String = text.trim().chars().take(80).collect();
     format!("{first:?}")
 }

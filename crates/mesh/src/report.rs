@@ -12,6 +12,8 @@ use crate::topology::Topology;
 pub struct MeshReport {
     /// Vertices as the file has them.
     pub vertices: usize,
+    /// Different places where triangles have corners: vertices without repeated and unused ones.
+    pub places: usize,
     /// Triangles, polygons cut into fans, without the degenerate ones.
     pub triangles: usize,
     /// Lowest and highest corner of the box around the triangles.
@@ -52,6 +54,7 @@ impl MeshReport {
         }
         Self {
             vertices: mesh.positions().len(),
+            places: topology.vertices,
             triangles: mesh.triangles().len(),
             bounds: mesh.bounds(),
             degenerate: mesh.degenerate(),
@@ -84,6 +87,7 @@ impl fmt::Display for MeshReport {
         let (lo, hi) = self.bounds;
         let yes = |yes: bool| if yes { "yes" } else { "no" };
         writeln!(f, "vertices            {}", self.vertices)?;
+        writeln!(f, "different and used  {}", self.places)?;
         writeln!(f, "triangles           {}", self.triangles)?;
         writeln!(f, "bounds              {lo} to {hi}")?;
         writeln!(f, "components          {}", self.components)?;
@@ -93,8 +97,8 @@ impl fmt::Display for MeshReport {
         writeln!(f, "non-manifold edges  {}", self.non_manifold_edges)?;
         writeln!(f, "turned edges        {}", self.turned_edges)?;
         writeln!(f, "duplicate vertices  {}", self.duplicates)?;
-        writeln!(f, "degenerate (dropped) {}", self.degenerate)?;
-        writeln!(f, "Euler characteristic {}", self.euler)?;
+        writeln!(f, "degenerate, dropped {}", self.degenerate)?;
+        writeln!(f, "Euler number        {}", self.euler)?;
         write!(f, "signed volume       {}", self.signed_volume)
     }
 }

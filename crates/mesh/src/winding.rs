@@ -143,7 +143,7 @@ mod tests {
                 point(i + 1, j + 1),
                 point(i + 1, j),
             );
-            triangles.extend([[a, c, b], [a, d, c]]);
+            triangles.extend([[a, b, c], [a, c, d]]);
         }
         let tree = Tree::new(&triangles);
         let winding = Winding::new(&tree);

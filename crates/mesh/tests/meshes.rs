@@ -51,7 +51,7 @@ fn counts_are_those_of_trimesh() {
         let is = |column: &str, got: String| assert_eq!(got, row[column], "{name}: {column}");
         is("vertices", report.vertices.to_string());
         is("triangles", report.triangles.to_string());
-        is("merged", (report.vertices - report.duplicates).to_string());
+        is("merged", report.places.to_string());
         is("boundary", report.boundary_edges.to_string());
         is("components", report.components.to_string());
         let python = |yes: bool| if yes { "True" } else { "False" }.to_owned();

@@ -10,7 +10,7 @@ use volgraph_volume::Trouble;
 use super::{Soup, excerpt};
 use crate::MeshError;
 
-/// Whether the first lines look like OBJ: only its keywords, and a vertex among them.
+/// Whether the first lines look like OBJ: nothing but its keywords.
 pub(crate) fn looks_like_obj(bytes: &[u8]) -> bool {
     const KEYWORDS: [&str; 11] = [
         "v", "vt", "vn", "vp", "f", "o", "g", "s", "mtllib", "usemtl", "l",
@@ -23,8 +23,10 @@ pub(crate) fn looks_like_obj(bytes: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(head) else {
         return false;
     };
+    let mut goes_on = false;
     let mut words = text
         .lines()
+        .filter(|line| !std::mem::replace(&mut goes_on, line.trim_end().ends_with('\\')))
         .filter_map(|line| line.split_ascii_whitespace().next())
         .filter(|word| !word.starts_with('#'))
         .peekable();

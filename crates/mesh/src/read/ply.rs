@@ -3,7 +3,7 @@
 //! Its header is parsed as a whole; then each element's count is held against the bytes that are left, as every
 //! element has at least one. Elements and properties that are neither corners nor faces are read over.
 
-use std::io::BufRead;
+use std::io::{BufRead, Read};
 
 use glam::DVec3;
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
@@ -12,7 +12,7 @@ use ply_rs_bw::ply::{
 };
 use volgraph_volume::Trouble;
 
-use super::{Soup, excerpt};
+use super::{MAX_LINE, Soup, excerpt, line_too_long};
 use crate::MeshError;
 
 pub(crate) fn is_ply(bytes: &[u8]) -> bool {
@@ -210,8 +210,9 @@ fn next(
             while text.trim_ascii().is_empty() {
                 text.clear();
                 *line += 1;
-                match rest.read_line(&mut text) {
+                match rest.by_ref().take(MAX_LINE as u64).read_line(&mut text) {
                     Ok(0) => return Err(cut_off(element)),
+                    Ok(MAX_LINE) => return Err(line_too_long()),
                     Ok(_) => {}
                     Err(_) => {
                         return Err(MeshError::Syntax(Trouble::new(

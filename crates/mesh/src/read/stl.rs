@@ -10,7 +10,7 @@ use std::io::{self, Read, Seek, SeekFrom};
 use glam::DVec3;
 use volgraph_volume::Trouble;
 
-use super::{Soup, excerpt};
+use super::{MAX_LINE, Soup, excerpt, line_too_long};
 use crate::MeshError;
 use crate::topology::place;
 
@@ -99,7 +99,7 @@ struct Welder {
 
 impl Welder {
     /// Reads all triangles of one solid; on an error, tells how many there were before it.
-    fn read(&mut self, solid: &mut Behind<'_>) -> Result<usize, (usize, io::Error)> {
+    fn read(&mut self, solid: &mut Behind<'_>) -> Result<(), (usize, io::Error)> {
         let triangles = stl_io::create_stl_reader(solid).map_err(|error| (0, error))?;
         let mut count = 0;
         for triangle in triangles {
@@ -116,7 +116,7 @@ impl Welder {
             self.soup.triangles.push(corners);
             count += 1;
         }
-        Ok(count)
+        Ok(())
     }
 }
 
@@ -145,6 +145,9 @@ pub(crate) fn parse_text(bytes: &[u8]) -> Result<Soup, MeshError> {
     let mut at = 0;
     for (number, line) in (1..).zip(bytes.split_inclusive(|&byte| byte == b'\n')) {
         at += line.len();
+        if line.len() > MAX_LINE {
+            return Err(line_too_long().on_line(number));
+        }
         let mut words = line
             .split(u8::is_ascii_whitespace)
             .filter(|word| !word.is_empty());
@@ -180,9 +183,8 @@ fn read_solid(welder: &mut Welder, body: &[u8], first_line: usize) -> Result<(),
         body,
         at: 0,
     };
-    let (count, error) = match welder.read(&mut solid) {
-        Ok(_) => return Ok(()),
-        Err(error) => error,
+    let Err((count, error)) = welder.read(&mut solid) else {
+        return Ok(());
     };
     // Each good facet before it took seven lines with something on them.
     let mut filled = (first_line..)
