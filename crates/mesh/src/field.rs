@@ -203,28 +203,24 @@ fn grid((lo, hi): (DVec3, DVec3), options: &FieldOptions) -> Result<Grid, MeshEr
             "give a positive size in the mesh's unit",
         );
     }
-    // A rounding error must not add a voxel.
-    let voxels = (extent / voxel - 1e-9).ceil().max(DVec3::ONE) + margins as f64;
-    let max_bytes = options.max_bytes.unwrap_or(DEFAULT_MAX_BYTES);
-    let exact = matches!(options.resolution, Resolution::Dims(_));
-    let bytes = if let (true, Resolution::Dims(dims)) = (exact, options.resolution) {
-        dims.iter().map(|&n| f64::from(n)).product::<f64>() * 4.0
-    } else {
-        voxels.element_product() * 4.0
+    let voxels = match options.resolution {
+        Resolution::Dims(dims) => DVec3::from_array(dims.map(f64::from)),
+        // A rounding error must not add a voxel.
+        _ => (extent / voxel - 1e-9).ceil().max(DVec3::ONE) + margins as f64,
     };
-    // A grid that is within the limit in bytes may still have an axis beyond u32.
-    if !(bytes <= max_bytes as f64 && voxels.max_element() < f64::from(u32::MAX)) {
+    let max_bytes = options.max_bytes.unwrap_or(DEFAULT_MAX_BYTES);
+    let bytes = voxels.element_product() * size_of::<f32>() as f64;
+    // A flat grid within the limit may still have an axis beyond u32.
+    let fits = bytes <= max_bytes as f64 && voxels.max_element() < f64::from(u32::MAX);
+    if !fits {
         return Err(MeshError::TooLarge(Trouble::new(
             format!(
-                "a field of {voxels} voxels is {bytes} bytes, more than the limit of {max_bytes} bytes"
+                "a field of {voxels} voxels takes {bytes} bytes, and the limit is {max_bytes} bytes"
             ),
             "use a coarser resolution, or raise the limit (max_bytes)",
         )));
     }
-    let dims = match options.resolution {
-        Resolution::Dims(dims) => dims,
-        _ => voxels.to_array().map(|n| n as u32),
-    };
+    let dims = voxels.to_array().map(|n| n as u32);
     let last = DVec3::from_array(dims.map(|n| f64::from(n) - 1.0));
     let origin = lo.midpoint(hi) - last * (voxel / 2.0);
     let grid = Grid::axis_aligned(dims, DVec3::splat(voxel), origin);

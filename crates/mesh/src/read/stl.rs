@@ -101,8 +101,7 @@ impl Welder {
     /// Reads all triangles of one solid; on an error, tells how many there were before it.
     fn read(&mut self, solid: &mut Behind<'_>) -> Result<(), (usize, io::Error)> {
         let triangles = stl_io::create_stl_reader(solid).map_err(|error| (0, error))?;
-        let mut count = 0;
-        for triangle in triangles {
+        for (count, triangle) in triangles.enumerate() {
             let triangle = triangle.map_err(|error| (count, error))?;
             let corners = triangle.vertices.map(|vertex| {
                 let position = DVec3::from_array(vertex.0.map(f64::from));
@@ -114,7 +113,6 @@ impl Welder {
                 vertex
             });
             self.soup.triangles.push(corners);
-            count += 1;
         }
         Ok(())
     }
