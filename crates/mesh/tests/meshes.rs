@@ -1,4 +1,5 @@
 //! Scanned meshes against trimesh (`make_expected.py`), and their fields against themselves.
+#![allow(clippy::print_stdout, reason = "what was measured, and what was not")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod common;

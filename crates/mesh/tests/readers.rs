@@ -432,6 +432,20 @@ fn says_something(error: &MeshError, name: &str) {
 }
 
 #[test]
+fn forged_counts_are_held_against_the_length() {
+    let forged = "element vertex 1000000000";
+    for good in [ply_text(), ply_binary(false), ply_binary(true)] {
+        let error = read("a.ply", &replaced(&good, "element vertex 8", forged)).unwrap_err();
+        assert!(
+            error
+                .to_string()
+                .contains("1000000000 elements \"vertex\" need"),
+            "{error}"
+        );
+    }
+}
+
+#[test]
 fn endless_lines_are_refused() {
     let options = ReadOptions::default();
     let line = "4 ".repeat(1 << 20);

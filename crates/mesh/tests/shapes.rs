@@ -202,6 +202,50 @@ fn a_ball_of_inverted_faces_is_turned() {
     }
 }
 
+/// A ball whose vertices were moved in and out at random: sharp edges, and corners that are peak and pit at once.
+fn thorns(seed: u64) -> Faces {
+    let (mut positions, triangles) = icosphere(2);
+    let mut random = Random(seed);
+    for position in &mut positions {
+        *position *= 0.15 + random.unit().powi(2);
+    }
+    (positions, triangles)
+}
+
+#[test]
+fn thorns_have_the_side_that_all_solid_angles_tell() {
+    for seed in [1, 2, 3] {
+        for faces in [thorns(seed), turned(thorns(seed))] {
+            let (positions, triangles) = faces.clone();
+            let normal = distances(faces.clone(), Sign::Auto, SignMethod::PseudoNormal);
+            let winding = distances(faces, Sign::Winding, SignMethod::Winding);
+            let mut random = Random(seed);
+            let mut probes: Vec<DVec3> = (0..1000).map(|_| random.point(1.0)).collect();
+            for &[a, b, _] in &triangles {
+                let [a, b] = [a, b].map(|i| positions[i as usize]);
+                let along = a.lerp(b, random.unit());
+                for scale in [0.1, 1e-4] {
+                    probes.extend([a, along].map(|on| on + random.point(scale)));
+                }
+            }
+            for p in probes {
+                let whole: f64 = triangles
+                    .iter()
+                    .map(|corners| {
+                        let [a, b, c] = corners.map(|i| positions[i as usize] - p);
+                        let (la, lb, lc) = (a.length(), b.length(), c.length());
+                        let below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+                        2.0 * a.dot(b.cross(c)).atan2(below)
+                    })
+                    .sum();
+                let inside = whole.abs() > 2.0 * std::f64::consts::PI;
+                assert_eq!(normal.at(p) < 0.0, inside, "pseudo-normals at {p}");
+                assert_eq!(winding.at(p) < 0.0, inside, "winding numbers at {p}");
+            }
+        }
+    }
+}
+
 #[test]
 fn repeated_vertices_are_one() {
     let (positions, triangles) = cuboid(HALF);
@@ -210,6 +254,21 @@ fn repeated_vertices_are_one() {
         .flatten()
         .map(|&i| positions[i as usize])
         .collect();
+    let numbered = (0..12).map(|i| [i * 3, i * 3 + 1, i * 3 + 2]).collect();
+    // Moved so that coordinates are 0, of either sign.
+    let signed = (0..).zip(&soup).map(|(i, &p)| match i % 2 {
+        0 => p - HALF,
+        _ => -(HALF - p),
+    });
+    let signed: Vec<DVec3> = signed.collect();
+    assert!(
+        signed
+            .iter()
+            .flat_map(DVec3::to_array)
+            .any(|x| x == 0.0 && x.is_sign_negative())
+    );
+    let report = mesh((signed, numbered)).report();
+    assert!(report.is_watertight(), "0 and -0 are one place");
     let numbered = (0..12).map(|i| [i * 3, i * 3 + 1, i * 3 + 2]).collect();
     let report = mesh((soup.clone(), numbered)).report();
     assert!(report.is_watertight() && report.is_oriented());
