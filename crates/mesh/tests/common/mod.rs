@@ -1,6 +1,8 @@
 //! What the tests share: shapes whose distances are known, files of them, where the data lies.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
+pub mod files;
+
 use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::path::PathBuf;
