@@ -32,7 +32,9 @@ impl Trouble {
         })
     }
 
-    fn place(&self) -> Option<Place> {
+    /// File and line, where a file is known.
+    #[must_use]
+    pub fn place(&self) -> Option<Place> {
         if self.file.as_os_str().is_empty() {
             return None;
         }
