@@ -10,6 +10,7 @@
 #import "lib/sample.wgsl"
 #import "lib/shown.wgsl"
 #import "lib/step.wgsl"
+#import "lib/transfer.wgsl"
 #import slot "classify"
 #import slot "light"
 #import slot "behind"
@@ -47,6 +48,12 @@ fn multivolume_voxel_end(track: Track, distance: f32, least: f32) -> f32 {
     let is_along = abs(slope) < vec3f(1.0e-12);
     let ends = select((face - entry) / select(slope, vec3f(1.0), is_along), vec3f(RAY_NO_DEPTH), is_along);
     return max(track.near + min(min(ends.x, ends.y), ends.z), distance + least);
+}
+
+// Reads a volume and its transfer function from here on.
+fn multivolume_select(index: u32) {
+    volumes_select(index);
+    transfer_select(index);
 }
 
 fn multivolume_pixel(pixel: vec2f) -> Shown {
@@ -102,7 +109,7 @@ fn multivolume_pixel(pixel: vec2f) -> Shown {
             var end = step_end;
             for (var index = 0u; index < VOLUMES_COUNT; index++) {
                 let track = tracks[index];
-                if volumes.rows[index].is_nearest != 0u && track.near < middle && middle < track.far {
+                if volumes_is_nearest(index) && track.near < middle && middle < track.far {
                     volumes_select(index);
                     end = min(end, multivolume_voxel_end(track, start, least));
                 }
@@ -119,8 +126,8 @@ fn multivolume_pixel(pixel: vec2f) -> Shown {
                 if !(track.near < middle && middle < track.far) {
                     continue;
                 }
-                volumes_select(index);
-                let is_nearest = volumes.rows[index].is_nearest != 0u;
+                multivolume_select(index);
+                let is_nearest = volumes_is_nearest(index);
                 var front = fronts[index];
                 var back = front;
                 if is_nearest {

@@ -38,6 +38,9 @@ pub struct FieldOptions {
     pub band: Option<f64>,
     /// How inside and outside are told apart.
     pub sign: Sign,
+    /// Whether distances inside are positive and those outside negative, so that the solid is where the field is high, as
+    /// volgraph's techniques and clips take it; else the other way round, as most programs write distance fields.
+    pub positive_inside: bool,
     /// Which axis of the mesh points up.
     pub up: Up,
     /// Most bytes of voxels; [`DEFAULT_MAX_BYTES`] where `None`.
@@ -55,6 +58,7 @@ impl Default for FieldOptions {
             margin: 3,
             band: None,
             sign: Sign::Auto,
+            positive_inside: false,
             up: Up::Z,
             max_bytes: None,
             progress: None,
@@ -66,7 +70,8 @@ impl Default for FieldOptions {
 /// Voxels between two looks at the cancel flag, at least a row.
 const RUN: usize = 4096;
 
-/// Computes the signed distance to a mesh at the centre of each voxel: float32, in mesh units, negative inside.
+/// Computes the signed distance to a mesh at the centre of each voxel: float32, in mesh units, negative inside unless
+/// [`FieldOptions::positive_inside`].
 ///
 /// # Errors
 /// [`MeshError::Option`] where the resolution leaves no room for the mesh or the band is not positive,
@@ -111,6 +116,9 @@ fn compute(mesh: &Mesh, options: &FieldOptions) -> Result<Volume, MeshError> {
     let distance = SignedDistance::new(mesh, options.sign)?;
     let band = options.band.map_or(f64::INFINITY, |band| band * voxel);
     fill(&mut values, &grid, &distance, band, options)?;
+    if options.positive_inside {
+        values.par_iter_mut().for_each(|value| *value = -*value);
+    }
 
     let mut warnings = mesh.warnings().to_vec();
     warnings.extend_from_slice(distance.warnings());

@@ -242,7 +242,7 @@ impl NodeKind for MultivolumeRaycast {
     }
 
     fn uniforms(&self) -> &[&'static str] {
-        &["volumes", "tile"]
+        &["volumes", "volume_transfers", "tile"]
     }
 
     fn program(&self, node: &NodeContext<'_>) -> Option<ProgramSpec> {
@@ -261,11 +261,7 @@ impl NodeKind for MultivolumeRaycast {
         let needs_loads = VOLUMES
             .iter()
             .any(|port| placement::filter_slot_at(node, port).1 == "loads");
-        let filter = if needs_loads {
-            "volumes_loads"
-        } else {
-            "volumes"
-        };
+        let filter = if needs_loads { "loads" } else { "hardware" };
         let table_filter = if node.limits().float32_filterable {
             "hardware"
         } else {
@@ -279,11 +275,17 @@ impl NodeKind for MultivolumeRaycast {
         let mut fixed_slots: BTreeMap<String, String> = [
             ("volumes", volumes),
             ("volume_filter", filter),
-            ("volume_texel", "volumes"),
-            ("transfer_tables", "volumes"),
+            ("volume_texel", "load"),
+            ("transfer_tables", volumes),
             ("table_filter", table_filter),
             ("transfer_reach", "beyond"),
             ("behind", behind),
+            // What walks of their own would need, which there are none of.
+            ("clip", "none"),
+            ("parts", "one"),
+            ("clip_volume_filter", "hardware"),
+            ("gradient_method", "central"),
+            ("gradient_storage", "rgba16f"),
             ("labels", "none"),
             ("shadow", "none"),
             ("environment", "none"),
@@ -355,22 +357,26 @@ impl NodeKind for MultivolumeRaycast {
         };
         let mut rows = Vec::with_capacity(VOLUMES.len());
         for at in 0..count(node) {
-            let function = transfer(node, TRANSFERS[at])?;
-            let is_nearest = node.text(INTERPOLATION[at]) == "nearest";
-            rows.push(UniformValue::Struct(vec![
-                (
-                    "placement".to_owned(),
-                    owned(placement::uniform_at(node, VOLUMES[at])?),
-                ),
-                (
+            let row = if name == "volumes" {
+                let is_nearest = node.text(INTERPOLATION[at]) == "nearest";
+                vec![
+                    (
+                        "placement".to_owned(),
+                        owned(placement::uniform_at(node, VOLUMES[at])?),
+                    ),
+                    (
+                        "is_nearest".to_owned(),
+                        UniformValue::U32(u32::from(is_nearest)),
+                    ),
+                ]
+            } else {
+                let function = transfer(node, TRANSFERS[at])?;
+                vec![(
                     "transfer".to_owned(),
                     owned(transfer_uniform(node, &function, &TABLES[at])?),
-                ),
-                (
-                    "is_nearest".to_owned(),
-                    UniformValue::U32(u32::from(is_nearest)),
-                ),
-            ]));
+                )]
+            };
+            rows.push(UniformValue::Struct(row));
         }
         // Rows of no volume are never read.
         if let Some(first) = rows.first().cloned() {

@@ -26,7 +26,7 @@ pub use each::EachSceneArgs;
 pub use live::{ViewArgs, WatchArgs};
 pub use ray::RayArgs;
 pub use verify::{STOCK, VerifyArgs};
-pub use volumes::{ConvertArgs, InfoArgs, WriteArgs};
+pub use volumes::{ConvertArgs, DistanceFieldArgs, InfoArgs, InsideName, WriteArgs};
 
 use self::words::{parse_bound, parse_camera, parse_size, parse_slot, parse_volume};
 
@@ -86,6 +86,10 @@ pub enum Command {
     /// Placement, and what the file says of units and labels, go along where the format can say it; what it cannot is a
     /// warning. An interrupt leaves no half-written file.
     Convert(ConvertArgs),
+    /// Make a volume of a mesh: the signed distance to its surface, for isosurfaces, glass and clip volumes.
+    ///
+    /// What is wrong with the mesh (holes, faces that look the other way) is told first.
+    DistanceField(DistanceFieldArgs),
     /// Print a shader with everything it imports as one WGSL text, each part with the file it comes from.
     ///
     /// Slots that are not named take the choices that the node kinds declare, or those of the graph. What is wrong with

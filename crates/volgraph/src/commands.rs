@@ -8,6 +8,7 @@ mod chart;
 mod check;
 mod compare;
 mod convert;
+mod distance_field;
 mod drawing;
 mod errors;
 mod gallery;
@@ -59,6 +60,7 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Convert(args) => convert::run(&args),
+        Command::DistanceField(args) => distance_field::run(&args),
         Command::Link(args) => link::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Nodes(args) => nodes::run(&args),

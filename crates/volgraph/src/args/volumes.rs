@@ -1,9 +1,10 @@
-//! The arguments of `volgraph info`, `volgraph convert`: volumes and how they are read and written.
+//! The arguments of `volgraph info`, `volgraph convert` and `volgraph distance-field`: volumes and how they are read and written.
 
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, ValueEnum};
 use volgraph_formats::{Compression, LoadOptions};
+use volgraph_mesh::{Sign, Up};
 use volgraph_volume::edit::Filter;
 use volgraph_volume::{Component, ScalarType};
 
@@ -118,6 +119,57 @@ pub struct ConvertArgs {
     /// How it is written.
     #[command(flatten)]
     pub write: WriteArgs,
+}
+
+/// `volgraph distance-field`.
+#[derive(ClapArgs, Debug)]
+pub struct DistanceFieldArgs {
+    /// The mesh: PLY, OBJ or STL, gzip or not.
+    pub mesh: PathBuf,
+    /// The volume, as `volgraph convert` writes it.
+    pub output: PathBuf,
+    /// Voxels along the longest axis, margin included.
+    #[arg(long, value_name = "N", default_value = "128", value_parser = clap::value_parser!(u32).range(2..=65536))]
+    pub longest: u32,
+    /// Exactly these dimensions.
+    #[arg(long, value_name = "XxYxZ", value_parser = parse_dims, conflicts_with_all = ["longest", "voxel"])]
+    pub dims: Option<[u32; 3]>,
+    /// The edge of a voxel, in the mesh's unit.
+    #[arg(long, value_name = "LENGTH", conflicts_with = "longest")]
+    pub voxel: Option<f64>,
+    /// Voxels between the mesh and each face of the volume.
+    #[arg(long, value_name = "N", default_value = "3")]
+    pub margin: u32,
+    /// Clamp distances beyond so many voxels, which is faster.
+    #[arg(long, value_name = "VOXELS")]
+    pub band: Option<f64>,
+    /// How inside and outside are told apart: pseudonormal is exact for closed meshes, winding fair for open and broken ones,
+    /// auto chooses by the mesh's report, unsigned makes all distances positive.
+    #[arg(
+        long,
+        value_name = "auto | pseudonormal | winding | unsigned",
+        default_value = "auto"
+    )]
+    pub sign: Sign,
+    /// The sign of distances inside: positive, so that the solid is where the field is high, as techniques and clips of
+    /// volgraph take it; or negative, as most programs write distance fields.
+    #[arg(long, value_enum, default_value = "positive")]
+    pub inside: InsideName,
+    /// Which axis of the mesh points up; y is turned so that it stands upright.
+    #[arg(long, value_name = "y | z", default_value = "z")]
+    pub up: Up,
+    /// How it is written.
+    #[command(flatten)]
+    pub write: WriteArgs,
+}
+
+/// The sign of distances inside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum InsideName {
+    /// Above 0.
+    Positive,
+    /// Below 0.
+    Negative,
 }
 
 /// Ways to resample.

@@ -115,7 +115,7 @@ pub fn volumes() -> Vec<Bad> {
         volume(
             "a picture named nrrd",
             "v.nrrd",
-            *b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR",
+            *b"GIF89a\0\0\0\0",
             "volume-wrong-content",
             "v.nrrd",
         ),
@@ -162,7 +162,7 @@ pub fn volumes() -> Vec<Bad> {
             "a folder as a volume",
             vec![("g.ron", graph("volume(path: \".\")").into_bytes())],
             &PLAN,
-            "volume-unreadable",
+            "volume-unknown-format",
             "g.ron:3",
         ),
         bad(

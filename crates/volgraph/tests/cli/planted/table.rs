@@ -158,7 +158,7 @@ pub const PLANTED: [Planted; 30] = [
     },
     Planted {
         what: "unknown uniform member",
-        file: "shaders/lib/volume.wgsl",
+        file: "shaders/lib/placement.wgsl",
         find: "struct Volume {",
         with: "struct Volume {\n    temperature: f32,",
         code: "uniform",
