@@ -5,6 +5,9 @@ use volgraph_tests::{STAGES, Stage, adapters, box_interval, ray, render};
 
 use volgraph_tests::slabs::slabs;
 
+/// Where something changes along a ray between two distances.
+type Changes = dyn Fn((DVec3, DVec3), f64, f64) -> Vec<f64>;
+
 /// A box of even density, or one whose colour and extinction follow its place.
 struct Medium {
     /// World from the box's own space, in which it spans `low` to `high`.
@@ -12,7 +15,7 @@ struct Medium {
     low: DVec3,
     high: DVec3,
     /// Where it changes along a ray between two distances, beside its box's faces.
-    changes: Box<dyn Fn((DVec3, DVec3), f64, f64) -> Vec<f64>>,
+    changes: Box<Changes>,
     /// Colour and extinction at a point of its own space.
     at: Box<dyn Fn(DVec3) -> ([f64; 3], f64)>,
 }

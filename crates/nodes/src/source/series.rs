@@ -62,7 +62,7 @@ impl Series {
     pub fn load(
         &self,
         path: &Path,
-        options: LoadOptions,
+        options: &LoadOptions,
         time: u32,
         progress: volgraph_graph::Progress<'_>,
     ) -> Result<Arc<Volume>, Findings> {
@@ -78,7 +78,7 @@ impl Series {
         }
         with_progress(path, progress, |report| {
             let stamp = stamp([&path.to_path_buf()]);
-            let reader = VolumeReader::open(path, &options)?;
+            let reader = VolumeReader::open(path, options)?;
             let step = (reader.step_count() > 1).then_some(time);
             let volume = Arc::new(reader.read_reporting(step, Some(report))?);
             if step.is_none() {

@@ -181,9 +181,9 @@ impl SourceKind for VolumeKind {
             level: given.uint("level"),
             ..LoadOptions::default()
         };
-        let volume = self
-            .series
-            .load(&path, options, given.uint("time").unwrap_or(0), progress)?;
+        let volume =
+            self.series
+                .load(&path, &options, given.uint("time").unwrap_or(0), progress)?;
         Ok(Arc::new(VolumeSource::new(volume)))
     }
 }

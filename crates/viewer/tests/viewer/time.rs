@@ -38,9 +38,9 @@ fn steps_are_picked_and_played_and_drawn_as_they_are() {
     assert_eq!(step(&desk), Some(0));
     // The slider's number takes a step.
     let first = desk.told(|told| told.refined.clone().unwrap());
-    let slider = desk.named(Role::Slider, "time step");
-    slider.focus();
-    slider.key_press(egui::Key::ArrowRight);
+    desk.named(Role::Slider, "time step").focus();
+    desk.harness.run_steps(2);
+    desk.harness.key_press(egui::Key::ArrowRight);
     let second = desk.next("the picture of the second step", &first);
     assert_eq!(step(&desk), Some(1));
     let size = [second.width, second.height];
