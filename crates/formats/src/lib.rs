@@ -13,6 +13,7 @@
 //! is one, the cause and the remedy. Volumes are placed in the world frame LPS (see `volgraph-volume`).
 
 mod axes;
+pub mod bricks;
 mod contents;
 mod data_files;
 mod dicom;

@@ -101,6 +101,19 @@ impl Job<'_> {
     }
 }
 
+/// Plain elements that lie in one run of a file, which was seen to hold all of them.
+#[derive(Clone, Debug)]
+pub(crate) struct FileRun {
+    pub file: PathBuf,
+    /// Bytes before the first element.
+    pub offset: u64,
+    pub count: u64,
+    pub scalar_type: ScalarType,
+    pub big_endian: bool,
+    /// What is done to the elements.
+    pub rescale: Option<Rescale>,
+}
+
 /// A job whose elements lie along the axes of a file.
 pub(crate) struct Stored<'a> {
     pub job: Job<'a>,
@@ -122,6 +135,44 @@ impl Data for Stored<'_> {
             Some(rescale) => rescale.apply(values),
             None => values,
         })
+    }
+
+    fn run(&self, step: u32, limits: &Limits) -> Result<Option<FileRun>, VolumeError> {
+        let ([piece], Some((from, count))) =
+            (self.job.pieces.as_slice(), self.axes.run_of_step(step))
+        else {
+            return Ok(None);
+        };
+        let plain = piece.encoding == Encoding::Raw && piece.encoded_len.is_none();
+        if !plain || piece.input.is_memory() || !self.axes.is_plain() {
+            return Ok(None);
+        }
+        let located = || {
+            let (_, at) = piece.open()?;
+            let rest = piece.input.len.saturating_sub(at);
+            for_scalar_type!(self.job.scalar_type, T => {
+                let sink = Sink::<T> {
+                    job: &self.job,
+                    piece,
+                    limits,
+                    skip: 0,
+                    want: 0,
+                    whole: self.job.count as usize,
+                    total: count,
+                    values: &mut Vec::new(),
+                };
+                sink.locate(at, rest)
+            })
+        };
+        let offset = located().map_err(|error: VolumeError| error.in_file(&piece.input.path))?;
+        Ok(Some(FileRun {
+            file: piece.input.path.clone(),
+            offset: offset + from * self.job.scalar_type.size() as u64,
+            count,
+            scalar_type: self.job.scalar_type,
+            big_endian: self.job.big_endian,
+            rescale: self.rescale,
+        }))
     }
 }
 
@@ -194,6 +245,13 @@ impl<T: Element> Sink<'_, '_, T> {
 
     /// Plain bytes: the length of the file tells everything before anything is allocated.
     fn read_raw(&mut self, at: u64, rest: u64) -> Result<(), VolumeError> {
+        let from = self.locate(at, rest)?;
+        let mut reader = self.piece.input.open(from + self.skip_len())?;
+        self.fill(&mut reader, self.want)
+    }
+
+    /// Where the piece's plain bytes begin in its file, which has all of them.
+    fn locate(&self, at: u64, rest: u64) -> Result<u64, VolumeError> {
         let want = self.whole_bytes();
         let skip = self.piece.byte_skip;
         let (from, have) = if skip >= 0 {
@@ -218,8 +276,7 @@ impl<T: Element> Sink<'_, '_, T> {
         if have > want && !self.only_a_line_end(from + want, have - want)? {
             return Err(self.too_long(format_args!("{have} bytes")));
         }
-        let mut reader = self.piece.input.open(from + self.skip_len())?;
-        self.fill(&mut reader, self.want)
+        Ok(from)
     }
 
     fn only_a_line_end(&self, at: u64, len: u64) -> Result<bool, VolumeError> {

@@ -1,0 +1,539 @@
+//! A pyramid out of a source.
+//!
+//! Level 1 is made of level 0 in boxes of whole chunks, and on the way range and mean are taken; each further level is
+//! made of the one before, read back from its chunks. With all levels there, level 0 passes a second time: it is
+//! compared with what each coarser level shows in its place (`survey`), and counted into the histogram. Boxes run in
+//! parallel, are read by position, and are as long along x as the bound on memory lets them be. All of it happens in a
+//! temporary folder that gets its name at the end.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use rayon::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use volgraph_volume::edit::{Filter, Watch};
+use volgraph_volume::{Histogram, ScalarType, Trouble, Values, VolumeError, for_voxels, Element, brick_dims};
+
+use super::cache::ChunkCache;
+use super::chunks::Target;
+use super::field::Field;
+use super::halve::{Halving, Reduce};
+use super::levels::first_in;
+use super::side::{self, BINS, Packed, Side};
+use super::source::Source;
+use super::survey::{Found, Survey};
+use super::tally::Tally;
+use super::{BrickStatistics, DEFAULT_EDGE};
+use crate::load::LoadOptions;
+use crate::write::target::{TempFolder, check};
+use crate::write::zarr::{group, pretty};
+use crate::write::{Compression, WriteOptions};
+use crate::zarr::Pyramid;
+
+/// How a pyramid is built.
+#[derive(Clone, Debug)]
+pub struct BuildOptions {
+    /// What is read of the source: dimensions and type of raw voxels, part, time step, component.
+    pub load: LoadOptions,
+    /// Voxels along each edge of a brick, without its apron: a power of two from 4 to 256; 32 by default.
+    pub edge: u32,
+    /// Bricks along each edge of a chunk; 1 by default.
+    pub chunk_bricks: u32,
+    /// Chunks along each edge of a shard, for file systems that dislike many files; each chunk is a file where `None`.
+    pub shard_chunks: Option<u32>,
+    /// How chunks are packed; Zstandard of level 1 by default.
+    pub compression: Compression,
+    /// Whether level 0 is copied as well, so that the pyramid does without its source.
+    pub copy_level_0: bool,
+    /// Most bytes of memory at once; 512 MiB by default. Fewer threads work where it is little.
+    pub max_memory: u64,
+    /// Whether a pyramid of that name is replaced.
+    pub overwrite: bool,
+    /// Tells of bytes that are done (level 0 counts twice), and stops.
+    pub watch: Watch,
+}
+
+impl Default for BuildOptions {
+    fn default() -> Self {
+        Self {
+            load: LoadOptions::default(),
+            edge: DEFAULT_EDGE,
+            chunk_bricks: 1,
+            shard_chunks: None,
+            compression: Compression::Zstd(1),
+            copy_level_0: false,
+            max_memory: 512 << 20,
+            overwrite: false,
+            watch: Watch::default(),
+        }
+    }
+}
+
+/// What was built.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Built {
+    /// The folder of the pyramid.
+    pub folder: PathBuf,
+    /// All levels, those of the source included.
+    pub levels: usize,
+    /// How many of them lie in the folder; a Zarr source may have had the others.
+    pub written: usize,
+}
+
+/// Builds the pyramid of a volume: its coarser levels as an OME-Zarr 0.5 folder at `out` (see
+/// [`pyramid_path`](super::pyramid_path) for where it is looked for), with what is known of each brick in a file
+/// `bricks.bin` inside. Level 0 is read twice (three times where it is copied), in pieces that fit
+/// [`BuildOptions::max_memory`]. An error or an interrupt leaves nothing behind.
+///
+/// Labels become the most frequent one of the cells under a coarse one; all other values their mean.
+///
+/// # Errors
+/// [`VolumeError::Unsupported`] where bricks of the source cannot be read where they lie (compressed, interleaved, in
+/// several files); [`VolumeError::Write`] where `out` is there already or cannot be written; [`VolumeError::Option`]
+/// for options that make no sense; [`VolumeError::TooLarge`] where the memory is too little;
+/// [`VolumeError::Interrupted`]; what may be wrong with the source otherwise.
+pub fn build(source: &Path, out: &Path, options: &BuildOptions) -> Result<Built, VolumeError> {
+    side::check_edge(options.edge)?;
+    check_options(options)?;
+    let write = WriteOptions {
+        overwrite: options.overwrite,
+        watch: options.watch.clone(),
+        ..WriteOptions::default()
+    };
+    apart(source, out)?;
+    check(out, true, &write)?;
+    options.watch.check()?;
+    let cache = ChunkCache::new(usize::try_from(options.max_memory / 4).unwrap_or(usize::MAX));
+    let opened = Source::open(source, &options.load, options.edge, false, &cache)?;
+    let folder = TempFolder::beside(out).map_err(|error| error.in_file(out))?;
+    let plan = Plan::new(&opened, options).map_err(|error| error.in_file(source))?;
+    let build = Build {
+        folder: &folder,
+        options,
+        cache,
+        reduce: match opened.about.values {
+            Values::Labels(_) => Reduce::Mode,
+            _ => Reduce::Mean,
+        },
+        done: AtomicU64::new(0),
+        plan,
+    };
+    let built = build.run(&opened, source, out);
+    let (levels, written) = built.map_err(|error: VolumeError| error.in_file(out))?;
+    let folder = folder.finish(&write).map_err(|error| error.in_file(out))?;
+    Ok(Built {
+        folder,
+        levels,
+        written,
+    })
+}
+
+fn check_options(options: &BuildOptions) -> Result<(), VolumeError> {
+    let few = |n: u32| (1..=64).contains(&n);
+    if !few(options.chunk_bricks) || !options.shard_chunks.is_none_or(few) {
+        return Err(VolumeError::Option(Trouble::new(
+            "chunks of no bricks or shards of no chunks, or of more than 64 along an edge",
+            "give 1 to 64 of them",
+        )));
+    }
+    match options.compression {
+        Compression::Gzip(10..) => Some("deflate has levels of 0 to 9"),
+        Compression::Zstd(level) if !(1..=22).contains(&level) => {
+            Some("Zstandard has levels of 1 to 22")
+        }
+        _ => None,
+    }
+    .map_or(Ok(()), |cause| {
+        Err(VolumeError::Option(Trouble::new(cause, "give one of these")))
+    })
+}
+
+/// Refuses to write a pyramid over its source.
+fn apart(source: &Path, out: &Path) -> Result<(), VolumeError> {
+    if let (Ok(source), Ok(target)) = (source.canonicalize(), out.canonicalize())
+        && source.starts_with(&target)
+    {
+        return Err(VolumeError::Write(Trouble::new(
+            "the pyramid would take the place of its source",
+            "give another name",
+        ))
+        .in_file(out));
+    }
+    Ok(())
+}
+
+/// How much is done at once.
+struct Plan {
+    pool: ThreadPool,
+    /// Bytes that one thread may have.
+    each: u64,
+    /// Voxels along the edge of what is written at once.
+    unit: u32,
+    /// Bytes that will be reported.
+    total: u64,
+}
+
+impl Plan {
+    fn new(source: &Source, options: &BuildOptions) -> Result<Self, VolumeError> {
+        let size = source.scalar_type.size() as u64;
+        let unit = options.edge * options.chunk_bricks * options.shard_chunks.unwrap_or(1);
+        let half = options.max_memory / 2;
+        let dims = source.levels[0].grid.dims;
+        // Ranges and errors of every brick, packed and summed up.
+        let tables = side::counts(dims, options.edge)
+            .into_iter()
+            .fold(0_u64, u64::saturating_add)
+            .saturating_mul(48)
+            + (BINS as u64) * 8;
+        let written = tile_bytes(unit, unit, size, dims);
+        let surveyed = block_bytes(options.edge, 1, size, dims);
+        let least = written.max(surveyed);
+        if tables > options.max_memory / 4 || least > half {
+            let need = (4 * tables).max(2 * least).div_ceil(1 << 20);
+            return Err(VolumeError::TooLarge(Trouble::new(
+                format!("a pyramid of {dims:?} voxels needs {need} MiB of memory to be built"),
+                "allow more memory (max_memory), or smaller chunks and shards",
+            )));
+        }
+        let threads = rayon::current_num_threads().min((half / least.max(1)) as usize).max(1);
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.map_err(|error| {
+            VolumeError::TooLarge(Trouble::new(
+                format!("no threads can be started: {error}"),
+                "free memory, and start it again",
+            ))
+        })?;
+        let bytes = |level: usize| source.levels[level].grid.voxel_count().saturating_mul(size);
+        let coarse: u64 = (1..source.levels.len()).map(bytes).sum();
+        let passes = if options.copy_level_0 { 3 } else { 2 };
+        Ok(Self {
+            pool,
+            each: half / threads as u64,
+            unit,
+            total: bytes(0).saturating_mul(passes).saturating_add(2 * coarse),
+        })
+    }
+}
+
+/// Bytes of a box of `width` voxels along x and `unit` along y and z that is made of a finer level.
+fn tile_bytes(width: u32, unit: u32, size: u64, dims: [u32; 3]) -> u64 {
+    let n = |n: u32, axis: usize| u64::from(n).min(u64::from(dims[axis]));
+    let fine = n(2 * width + 2, 0) * n(2 * unit + 2, 1) * n(2 * unit + 2, 2);
+    let coarse = n(width, 0) * n(unit, 1) * n(unit, 2);
+    // The voxels twice (as they are read, and once more where they are rescaled or unpacked); the result, a chunk of it as bytes, and packed.
+    fine * size * 2 + coarse * size * 3 + u64::from(width) * 8
+}
+
+/// Bytes of a block of `count` bricks along x and two along y and z, compared with the levels.
+fn block_bytes(edge: u32, count: u32, size: u64, dims: [u32; 3]) -> u64 {
+    let n = |n: u32, axis: usize| u64::from(n).min(u64::from(dims[axis]));
+    let fine = n(count * edge + 2, 0) * n(2 * edge + 2, 1) * n(2 * edge + 2, 2);
+    let coarse = n(count * edge / 2 + 3, 0) * n(edge + 3, 1) * n(edge + 3, 2);
+    fine * size * 2 + coarse * (8 + size) + (BINS as u64) * 8
+}
+
+struct Build<'a> {
+    folder: &'a TempFolder,
+    options: &'a BuildOptions,
+    cache: Arc<ChunkCache>,
+    reduce: Reduce,
+    done: AtomicU64,
+    plan: Plan,
+}
+
+/// A box of a level: first index and size.
+type Tile = ([u32; 3], [u32; 3]);
+
+impl Build<'_> {
+    fn run(
+        &self,
+        source: &Source,
+        path: &Path,
+        out: &Path,
+    ) -> Result<(usize, usize), VolumeError> {
+        let levels = &source.levels;
+        let copied = self.options.copy_level_0;
+        if copied {
+            let target = self.target(source, 0)?;
+            self.tiles(levels[0].grid.dims, source.scalar_type, |(origin, size)| {
+                target.put(&source.fields[0].read(origin, size)?, origin, size)
+            }, |()| {})?;
+        }
+        // A copy has all levels in one place.
+        let own = if copied { 1 } else { source.fields.len() };
+        let mut built: Vec<Field> = Vec::new();
+        let mut tally = Tally::default();
+        for number in own..levels.len() {
+            let finer = match number {
+                1 => &source.fields[0],
+                _ => built.last().unwrap_or(&source.fields[own - 1]),
+            };
+            let target = self.target(source, number)?;
+            let (fine, coarse) = (levels[number - 1].grid.dims, levels[number].grid.dims);
+            self.tiles(coarse, source.scalar_type, |(origin, size)| {
+                let halving = Halving::new(fine, coarse, origin, size);
+                let voxels = finer.read(halving.origin, halving.size)?;
+                let counted = (number == 1).then(|| {
+                    let part = [0, 1, 2].map(|i| {
+                        let first = |at: u32| first_in(at, fine[i], coarse[i]) - halving.origin[i];
+                        first(origin[i])..first(origin[i] + size[i])
+                    });
+                    Tally::of(&voxels, halving.size, &part)
+                });
+                let smaller = for_voxels!(&voxels, values => {
+                    Element::wrap(halving.apply(values, self.reduce))
+                });
+                target.put(&smaller, origin, size)?;
+                Ok(counted.unwrap_or_default())
+            }, |part| tally.merge(&part))?;
+            built.push(self.reopen(number)?);
+        }
+        if own > 1 || levels.len() == 1 {
+            self.tiles(levels[0].grid.dims, source.scalar_type, |(origin, size)| {
+                let voxels = source.fields[0].read(origin, size)?;
+                Ok(Tally::of(&voxels, size, &size.map(|n| 0..n)))
+            }, |part| tally.merge(&part))?;
+        }
+        let fields = source.fields[..own].iter().chain(&built).collect();
+        let (statistics, bricks) = self.survey(source, fields, &tally)?;
+        let first = if copied { 0 } else { own };
+        let grids: Vec<_> = levels[first..].iter().map(|level| level.grid).collect();
+        let filter = Filter::for_values(&source.about.values);
+        let metadata = group(&source.name, &source.about, first, &grids, false, filter);
+        if grids.is_empty() {
+            // A group without an image: the source has all levels.
+            let empty = serde_json::json!({"zarr_format": 3, "node_type": "group", "attributes": {}});
+            self.folder.put("zarr.json", &pretty(&empty))?;
+        } else {
+            self.folder.put("zarr.json", &pretty(&metadata))?;
+        }
+        let side = Side {
+            source: from_folder(path, out),
+            tie: source.tie.clone(),
+            dims: levels[0].grid.dims,
+            scalar_type: source.scalar_type,
+            edge: self.options.edge,
+            first: u32::try_from(first).unwrap_or(u32::MAX),
+            statistics,
+            bricks,
+        };
+        self.folder.put(side::FILE, &side.to_bytes())?;
+        Ok((levels.len(), grids.len()))
+    }
+
+    fn target(&self, source: &Source, number: usize) -> Result<Target<'_>, VolumeError> {
+        Target::new(
+            self.folder,
+            number,
+            source.levels[number].grid,
+            source.scalar_type,
+            self.options.edge * self.options.chunk_bricks,
+            self.options.shard_chunks,
+            self.options.compression,
+        )
+    }
+
+    /// A level that was written.
+    fn reopen(&self, number: usize) -> Result<Field, VolumeError> {
+        let id = u32::try_from(number).unwrap_or(u32::MAX);
+        level_of(self.folder.path(), id, &self.cache)
+    }
+
+    /// Runs through a level in boxes of whole units; what comes of them is taken in order.
+    fn tiles<O: Send>(
+        &self,
+        dims: [u32; 3],
+        scalar_type: ScalarType,
+        work: impl Fn(Tile) -> Result<O, VolumeError> + Sync,
+        take: impl FnMut(O),
+    ) -> Result<(), VolumeError> {
+        let (unit, size) = (self.plan.unit, scalar_type.size() as u64);
+        let fits = |count: u32| {
+            tile_bytes(count * unit, unit, size, [u32::MAX; 3]) <= self.plan.each
+        };
+        let counts = brick_dims(dims, unit);
+        let along = longest(counts[0], fits);
+        let work = |at: [u32; 3]| {
+            let origin = [at[0] * along, at[1], at[2]].map(|n| n * unit);
+            let most = [along * unit, unit, unit];
+            let size = [0, 1, 2].map(|i| most[i].min(dims[i] - origin[i]));
+            let out = work((origin, size))?;
+            self.report(size, scalar_type);
+            Ok(out)
+        };
+        self.each([counts[0].div_ceil(along), counts[1], counts[2]], work, take)
+    }
+
+    /// Runs through a grid of boxes in batches.
+    fn each<O: Send>(
+        &self,
+        counts: [u32; 3],
+        work: impl Fn([u32; 3]) -> Result<O, VolumeError> + Sync,
+        mut take: impl FnMut(O),
+    ) -> Result<(), VolumeError> {
+        let [nx, ny, nz] = counts.map(u64::from);
+        let total = nx * ny * nz;
+        let batch = 8 * self.plan.pool.current_num_threads() as u64;
+        #[expect(clippy::cast_possible_truncation, reason = "indices below u32 counts")]
+        let at = |i: u64| [i % nx, i / nx % ny, i / (nx * ny)].map(|n| n as u32);
+        let mut from = 0;
+        while from < total {
+            let end = total.min(from + batch);
+            let outcomes: Vec<Result<O, VolumeError>> = self.plan.pool.install(|| {
+                let range = (from..end).into_par_iter();
+                range
+                    .map(|i| {
+                        self.options.watch.check()?;
+                        work(at(i))
+                    })
+                    .collect()
+            });
+            for outcome in outcomes {
+                take(outcome?);
+            }
+            from = end;
+        }
+        Ok(())
+    }
+
+    fn report(&self, size: [u32; 3], scalar_type: ScalarType) {
+        let voxels: u64 = size.iter().map(|&n| u64::from(n)).product();
+        let bytes = voxels * scalar_type.size() as u64;
+        let done = self.done.fetch_add(bytes, Ordering::Relaxed) + bytes;
+        self.options.watch.report(done.min(self.plan.total), self.plan.total);
+    }
+
+    /// What is known of all bricks of all levels.
+    fn survey(
+        &self,
+        source: &Source,
+        fields: Vec<&Field>,
+        tally: &Tally,
+    ) -> Result<(BrickStatistics, Vec<Vec<Packed>>), VolumeError> {
+        let (levels, edge) = (&source.levels, self.options.edge);
+        let survey = Survey {
+            fields,
+            levels,
+            edge,
+            range: tally.range(),
+            mean: tally.mean(),
+        };
+        let counts = side::counts(levels[0].grid.dims, edge);
+        let table = |&count: &u64| vec![(0.0, 0.0); usize::try_from(count).unwrap_or(usize::MAX)];
+        let mut ranges: Vec<Vec<(f64, f64)>> = counts.iter().map(table).collect();
+        let mut errors: Vec<Vec<(f64, f64)>> = counts.iter().map(table).collect();
+        let mut bins = vec![0_u64; BINS];
+        let mut squares = 0.0;
+        let size = source.scalar_type.size() as u64;
+        let fits = |count: u32| block_bytes(edge, count, size, [u32::MAX; 3]) <= self.plan.each;
+        for number in 0..levels.len() {
+            let bricks = levels[number].bricks;
+            let along = [longest(bricks[0], fits), 2, 2];
+            let blocks = [0, 1, 2].map(|i| bricks[i].div_ceil(along[i]));
+            self.each(
+                blocks,
+                |at| {
+                    let block: [Range<u32>; 3] = [0, 1, 2].map(|i| {
+                        let start = at[i] * along[i];
+                        start..start.saturating_add(along[i]).min(bricks[i])
+                    });
+                    let found = survey.block(number, &block)?;
+                    let dims = levels[number].grid.dims;
+                    let core = [0, 1, 2].map(|i| {
+                        (block[i].end * edge).min(dims[i]) - block[i].start * edge
+                    });
+                    self.report(core, source.scalar_type);
+                    Ok(found)
+                },
+                |found: Found| {
+                    for (brick, min, max) in found.ranges {
+                        ranges[number][brick] = (min, max);
+                    }
+                    bins.iter_mut().zip(found.bins).for_each(|(all, bin)| *all += bin);
+                    squares += found.squares;
+                    for (level, brick, sum, most) in found.errors {
+                        let all = &mut errors[level][brick];
+                        *all = (all.0 + sum, all.1.max(most));
+                    }
+                },
+            )?;
+        }
+        let fine = levels[0].grid.dims;
+        let packed = levels.iter().zip(ranges.iter().zip(&errors)).map(|(level, (ranges, errors))| {
+            let [nx, ny, _] = level.bricks.map(|n| n as usize);
+            let one = |(i, (range, error)): (usize, (&(f64, f64), &(f64, f64)))| {
+                let at = [i % nx, i / nx % ny, i / (nx * ny)];
+                // Fine samples in the brick's box.
+                let samples = [0, 1, 2].map(|axis| {
+                    let m = level.grid.dims[axis];
+                    let first = |brick: usize| {
+                        first_in((brick as u32).saturating_mul(edge).min(m), fine[axis], m)
+                    };
+                    f64::from(first(at[axis] + 1) - first(at[axis]))
+                });
+                let rms = (error.0 / samples.iter().product::<f64>()).sqrt();
+                // Rounding of the sum must not lift it over the largest one.
+                Packed::new(range.0, range.1, rms.min(error.1), error.1)
+            };
+            ranges.iter().zip(errors).enumerate().map(one).collect()
+        });
+        let (lo, hi) = tally.range();
+        let known = tally.finite > 0;
+        let or_nan = |value: f64| if known { value } else { f64::NAN };
+        let statistics = BrickStatistics {
+            min: or_nan(lo),
+            max: or_nan(hi),
+            mean: or_nan(tally.mean()),
+            standard_deviation: or_nan((squares / tally.finite.max(1) as f64).sqrt()),
+            finite_count: tally.finite,
+            nan_count: tally.nan,
+            positive_infinity_count: tally.positive,
+            negative_infinity_count: tally.negative,
+            histogram: Histogram {
+                lo,
+                hi,
+                counts: bins,
+            },
+        };
+        Ok((statistics, packed.collect()))
+    }
+}
+
+/// A level that lies in a pyramid's folder; its number is its name in the cache.
+pub(super) fn level_of(
+    folder: &Path,
+    number: u32,
+    cache: &Arc<ChunkCache>,
+) -> Result<Field, VolumeError> {
+    let path = folder.join(number.to_string());
+    let pyramid = Arc::new(Pyramid::open(&path, &LoadOptions::default())?);
+    Field::of_zarr(pyramid, 0, number, cache).ok_or_else(|| {
+        VolumeError::DataFile(Trouble::new("has no level", "build the pyramid again"))
+            .in_file(&path)
+    })
+}
+
+/// The largest count up to `most` that fits; 1 where none does.
+fn longest(most: u32, fits: impl Fn(u32) -> bool) -> u32 {
+    let (mut low, mut high) = (1, most.max(1));
+    while low < high {
+        let middle = low + (high - low).div_ceil(2);
+        if fits(middle) {
+            low = middle;
+        } else {
+            high = middle - 1;
+        }
+    }
+    low
+}
+
+/// The source's path as it is found from the folder of the pyramid: its name where they lie side by side.
+fn from_folder(source: &Path, out: &Path) -> String {
+    let full = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let source = crate::zarr::folder(source).unwrap_or_else(|| source.to_path_buf());
+    let (source, out) = (full(&source), full(out));
+    let beside = out.parent().and_then(|parent| source.strip_prefix(parent).ok());
+    beside.unwrap_or(&source).to_string_lossy().into_owned()
+}
