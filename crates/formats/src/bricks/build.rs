@@ -14,7 +14,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use volgraph_volume::edit::{Filter, Watch};
-use volgraph_volume::{Histogram, ScalarType, Trouble, Values, VolumeError, for_voxels, Element, brick_dims};
+use volgraph_volume::{
+    Element, Histogram, ScalarType, Trouble, Values, VolumeError, brick_dims, for_voxels,
+};
 
 use super::cache::ChunkCache;
 use super::chunks::Target;
@@ -146,7 +148,10 @@ fn check_options(options: &BuildOptions) -> Result<(), VolumeError> {
         _ => None,
     }
     .map_or(Ok(()), |cause| {
-        Err(VolumeError::Option(Trouble::new(cause, "give one of these")))
+        Err(VolumeError::Option(Trouble::new(
+            cause,
+            "give one of these",
+        )))
     })
 }
 
@@ -197,7 +202,9 @@ impl Plan {
                 "allow more memory (max_memory), or smaller chunks and shards",
             )));
         }
-        let threads = rayon::current_num_threads().min((half / least.max(1)) as usize).max(1);
+        let threads = rayon::current_num_threads()
+            .min((half / least.max(1)) as usize)
+            .max(1);
         let pool = ThreadPoolBuilder::new().num_threads(threads).build();
         let pool = pool.map_err(|error| {
             VolumeError::TooLarge(Trouble::new(
@@ -206,14 +213,27 @@ impl Plan {
             ))
         })?;
         let bytes = |level: usize| source.levels[level].grid.voxel_count().saturating_mul(size);
-        let coarse: u64 = (1..source.levels.len()).map(bytes).sum();
-        let passes = if options.copy_level_0 { 3 } else { 2 };
+        let count = source.levels.len();
+        let own = first_built(source, options);
+        let alone = if own > 1 || count == 1 { bytes(0) } else { 0 };
+        let copied = if options.copy_level_0 { bytes(0) } else { 0 };
+        let halved = (own..count).map(|number| bytes(number - 1));
+        let parts = halved.chain((0..count).map(bytes)).chain([alone, copied]);
         Ok(Self {
             pool,
             each: half / threads as u64,
             unit,
-            total: bytes(0).saturating_mul(passes).saturating_add(2 * coarse),
+            total: parts.fold(0, u64::saturating_add),
         })
+    }
+}
+
+/// The first level that is built: a copy has all of them in one place.
+fn first_built(source: &Source, options: &BuildOptions) -> usize {
+    if options.copy_level_0 {
+        1
+    } else {
+        source.fields.len()
     }
 }
 
@@ -247,22 +267,23 @@ struct Build<'a> {
 type Tile = ([u32; 3], [u32; 3]);
 
 impl Build<'_> {
-    fn run(
-        &self,
-        source: &Source,
-        path: &Path,
-        out: &Path,
-    ) -> Result<(usize, usize), VolumeError> {
+    fn run(&self, source: &Source, path: &Path, out: &Path) -> Result<(usize, usize), VolumeError> {
         let levels = &source.levels;
         let copied = self.options.copy_level_0;
         if copied {
             let target = self.target(source, 0)?;
-            self.tiles(levels[0].grid.dims, source.scalar_type, |(origin, size)| {
-                target.put(&source.fields[0].read(origin, size)?, origin, size)
-            }, |()| {})?;
+            self.tiles(
+                levels[0].grid.dims,
+                source.scalar_type,
+                |(origin, size)| {
+                    target.put(&source.fields[0].read(origin, size)?, origin, size)?;
+                    self.report(size, source.scalar_type);
+                    Ok(())
+                },
+                |()| {},
+            )?;
         }
-        // A copy has all levels in one place.
-        let own = if copied { 1 } else { source.fields.len() };
+        let own = first_built(source, self.options);
         let mut built: Vec<Field> = Vec::new();
         let mut tally = Tally::default();
         for number in own..levels.len() {
@@ -272,29 +293,42 @@ impl Build<'_> {
             };
             let target = self.target(source, number)?;
             let (fine, coarse) = (levels[number - 1].grid.dims, levels[number].grid.dims);
-            self.tiles(coarse, source.scalar_type, |(origin, size)| {
-                let halving = Halving::new(fine, coarse, origin, size);
-                let voxels = finer.read(halving.origin, halving.size)?;
-                let counted = (number == 1).then(|| {
+            self.tiles(
+                coarse,
+                source.scalar_type,
+                |(origin, size)| {
+                    let halving = Halving::new(fine, coarse, origin, size);
+                    let voxels = finer.read(halving.origin, halving.size)?;
                     let part = [0, 1, 2].map(|i| {
                         let first = |at: u32| first_in(at, fine[i], coarse[i]) - halving.origin[i];
                         first(origin[i])..first(origin[i] + size[i])
                     });
-                    Tally::of(&voxels, halving.size, &part)
-                });
-                let smaller = for_voxels!(&voxels, values => {
-                    Element::wrap(halving.apply(values, self.reduce))
-                });
-                target.put(&smaller, origin, size)?;
-                Ok(counted.unwrap_or_default())
-            }, |part| tally.merge(&part))?;
+                    let counted = (number == 1).then(|| Tally::of(&voxels, halving.size, &part));
+                    let smaller = for_voxels!(&voxels, values => {
+                        Element::wrap(halving.apply(values, self.reduce))
+                    });
+                    target.put(&smaller, origin, size)?;
+                    self.report(
+                        part.map(|range| range.end - range.start),
+                        source.scalar_type,
+                    );
+                    Ok(counted.unwrap_or_default())
+                },
+                |part| tally.merge(&part),
+            )?;
             built.push(self.reopen(number)?);
         }
         if own > 1 || levels.len() == 1 {
-            self.tiles(levels[0].grid.dims, source.scalar_type, |(origin, size)| {
-                let voxels = source.fields[0].read(origin, size)?;
-                Ok(Tally::of(&voxels, size, &size.map(|n| 0..n)))
-            }, |part| tally.merge(&part))?;
+            self.tiles(
+                levels[0].grid.dims,
+                source.scalar_type,
+                |(origin, size)| {
+                    let voxels = source.fields[0].read(origin, size)?;
+                    self.report(size, source.scalar_type);
+                    Ok(Tally::of(&voxels, size, &size.map(|n| 0..n)))
+                },
+                |part| tally.merge(&part),
+            )?;
         }
         let fields = source.fields[..own].iter().chain(&built).collect();
         let (statistics, bricks) = self.survey(source, fields, &tally)?;
@@ -304,7 +338,8 @@ impl Build<'_> {
         let metadata = group(&source.name, &source.about, first, &grids, false, filter);
         if grids.is_empty() {
             // A group without an image: the source has all levels.
-            let empty = serde_json::json!({"zarr_format": 3, "node_type": "group", "attributes": {}});
+            let empty =
+                serde_json::json!({"zarr_format": 3, "node_type": "group", "attributes": {}});
             self.folder.put("zarr.json", &pretty(&empty))?;
         } else {
             self.folder.put("zarr.json", &pretty(&metadata))?;
@@ -350,20 +385,21 @@ impl Build<'_> {
         take: impl FnMut(O),
     ) -> Result<(), VolumeError> {
         let (unit, size) = (self.plan.unit, scalar_type.size() as u64);
-        let fits = |count: u32| {
-            tile_bytes(count * unit, unit, size, [u32::MAX; 3]) <= self.plan.each
-        };
+        let fits =
+            |count: u32| tile_bytes(count * unit, unit, size, [u32::MAX; 3]) <= self.plan.each;
         let counts = brick_dims(dims, unit);
         let along = longest(counts[0], fits);
         let work = |at: [u32; 3]| {
             let origin = [at[0] * along, at[1], at[2]].map(|n| n * unit);
             let most = [along * unit, unit, unit];
             let size = [0, 1, 2].map(|i| most[i].min(dims[i] - origin[i]));
-            let out = work((origin, size))?;
-            self.report(size, scalar_type);
-            Ok(out)
+            work((origin, size))
         };
-        self.each([counts[0].div_ceil(along), counts[1], counts[2]], work, take)
+        self.each(
+            [counts[0].div_ceil(along), counts[1], counts[2]],
+            work,
+            take,
+        )
     }
 
     /// Runs through a grid of boxes in batches.
@@ -402,7 +438,9 @@ impl Build<'_> {
         let voxels: u64 = size.iter().map(|&n| u64::from(n)).product();
         let bytes = voxels * scalar_type.size() as u64;
         let done = self.done.fetch_add(bytes, Ordering::Relaxed) + bytes;
-        self.options.watch.report(done.min(self.plan.total), self.plan.total);
+        self.options
+            .watch
+            .report(done.min(self.plan.total), self.plan.total);
     }
 
     /// What is known of all bricks of all levels.
@@ -441,9 +479,8 @@ impl Build<'_> {
                     });
                     let found = survey.block(number, &block)?;
                     let dims = levels[number].grid.dims;
-                    let core = [0, 1, 2].map(|i| {
-                        (block[i].end * edge).min(dims[i]) - block[i].start * edge
-                    });
+                    let core = [0, 1, 2]
+                        .map(|i| (block[i].end * edge).min(dims[i]) - block[i].start * edge);
                     self.report(core, source.scalar_type);
                     Ok(found)
                 },
@@ -451,7 +488,9 @@ impl Build<'_> {
                     for (brick, min, max) in found.ranges {
                         ranges[number][brick] = (min, max);
                     }
-                    bins.iter_mut().zip(found.bins).for_each(|(all, bin)| *all += bin);
+                    bins.iter_mut()
+                        .zip(found.bins)
+                        .for_each(|(all, bin)| *all += bin);
                     squares += found.squares;
                     for (level, brick, sum, most) in found.errors {
                         let all = &mut errors[level][brick];
@@ -461,24 +500,28 @@ impl Build<'_> {
             )?;
         }
         let fine = levels[0].grid.dims;
-        let packed = levels.iter().zip(ranges.iter().zip(&errors)).map(|(level, (ranges, errors))| {
-            let [nx, ny, _] = level.bricks.map(|n| n as usize);
-            let one = |(i, (range, error)): (usize, (&(f64, f64), &(f64, f64)))| {
-                let at = [i % nx, i / nx % ny, i / (nx * ny)];
-                // Fine samples in the brick's box.
-                let samples = [0, 1, 2].map(|axis| {
-                    let m = level.grid.dims[axis];
-                    let first = |brick: usize| {
-                        first_in((brick as u32).saturating_mul(edge).min(m), fine[axis], m)
+        let packed =
+            levels
+                .iter()
+                .zip(ranges.iter().zip(&errors))
+                .map(|(level, (ranges, errors))| {
+                    let [nx, ny, _] = level.bricks.map(|n| n as usize);
+                    let one = |(i, (range, error)): (usize, (&(f64, f64), &(f64, f64)))| {
+                        let at = [i % nx, i / nx % ny, i / (nx * ny)];
+                        // Fine samples in the brick's box.
+                        let samples = [0, 1, 2].map(|axis| {
+                            let m = level.grid.dims[axis];
+                            let first = |brick: usize| {
+                                first_in((brick as u32).saturating_mul(edge).min(m), fine[axis], m)
+                            };
+                            f64::from(first(at[axis] + 1) - first(at[axis]))
+                        });
+                        let rms = (error.0 / samples.iter().product::<f64>()).sqrt();
+                        // Rounding of the sum must not lift it over the largest one.
+                        Packed::new(range.0, range.1, rms.min(error.1), error.1)
                     };
-                    f64::from(first(at[axis] + 1) - first(at[axis]))
+                    ranges.iter().zip(errors).enumerate().map(one).collect()
                 });
-                let rms = (error.0 / samples.iter().product::<f64>()).sqrt();
-                // Rounding of the sum must not lift it over the largest one.
-                Packed::new(range.0, range.1, rms.min(error.1), error.1)
-            };
-            ranges.iter().zip(errors).enumerate().map(one).collect()
-        });
         let (lo, hi) = tally.range();
         let known = tally.finite > 0;
         let or_nan = |value: f64| if known { value } else { f64::NAN };
@@ -534,6 +577,8 @@ fn from_folder(source: &Path, out: &Path) -> String {
     let full = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     let source = crate::zarr::folder(source).unwrap_or_else(|| source.to_path_buf());
     let (source, out) = (full(&source), full(out));
-    let beside = out.parent().and_then(|parent| source.strip_prefix(parent).ok());
+    let beside = out
+        .parent()
+        .and_then(|parent| source.strip_prefix(parent).ok());
     beside.unwrap_or(&source).to_string_lossy().into_owned()
 }

@@ -67,8 +67,14 @@ impl<'a> Target<'a> {
         clippy::redundant_closure_for_method_calls,
         reason = "the method is another one for each type"
     )]
-    fn chunk(&self, voxels: &Voxels, size: [u32; 3], low: [u32; 3]) -> Result<Vec<u8>, VolumeError> {
-        let [size, low, chunk] = [size, low, self.array.chunk].map(|three| three.map(|n| n as usize));
+    fn chunk(
+        &self,
+        voxels: &Voxels,
+        size: [u32; 3],
+        low: [u32; 3],
+    ) -> Result<Vec<u8>, VolumeError> {
+        let [size, low, chunk] =
+            [size, low, self.array.chunk].map(|three| three.map(|n| n as usize));
         let (bytes, _) = for_voxels!(voxels, values => {
             cut(values, size, low, chunk, |value| value.to_le_bytes())
         });
@@ -94,7 +100,9 @@ impl<'a> Target<'a> {
                 entry = [bytes.len() as u64, packed.len() as u64];
                 bytes.extend(packed);
             }
-            entry.iter().for_each(|number| index.extend(number.to_le_bytes()));
+            entry
+                .iter()
+                .for_each(|number| index.extend(number.to_le_bytes()));
             Ok(())
         })?;
         bytes.extend(&index);

@@ -62,7 +62,9 @@ impl Field {
         };
         let (file, map) = open().map_err(|error| unreadable(&run, &error))?;
         whole(&run, &file)?;
-        let scalar_type = run.rescale.map_or(run.scalar_type, |rescale| rescale.scalar_type);
+        let scalar_type = run
+            .rescale
+            .map_or(run.scalar_type, |rescale| rescale.scalar_type);
         Ok(Self {
             dims,
             scalar_type,
@@ -152,8 +154,8 @@ impl Field {
                     out.copy_from_slice(voxels.as_bytes());
                     return Ok(());
                 }
-                let cells =
-                    [0, 1, 2].map(|i| origin[i] / chunk[i]..(origin[i] + size[i]).div_ceil(chunk[i]));
+                let cells = [0, 1, 2]
+                    .map(|i| origin[i] / chunk[i]..(origin[i] + size[i]).div_ceil(chunk[i]));
                 let [xs, ys, zs] = cells;
                 for z in zs {
                     for y in ys.clone() {
@@ -183,8 +185,7 @@ fn copy(
     each: usize,
 ) {
     let low = [0, 1, 2].map(|i| from_origin[i].max(to_origin[i]));
-    let high =
-        [0, 1, 2].map(|i| (from_origin[i] + from_size[i]).min(to_origin[i] + to_size[i]));
+    let high = [0, 1, 2].map(|i| (from_origin[i] + from_size[i]).min(to_origin[i] + to_size[i]));
     let at = |origin: [u32; 3], size: [u32; 3], y: u32, z: u32| {
         let [x, y, z] = [low[0] - origin[0], y - origin[1], z - origin[2]].map(|n| n as usize);
         ((z * size[1] as usize + y) * size[0] as usize + x) * each
@@ -265,7 +266,10 @@ impl Rows {
 
 /// Refuses a file that has become shorter since it was opened.
 fn whole(run: &FileRun, file: &File) -> Result<(), VolumeError> {
-    let len = file.metadata().map_err(|error| unreadable(run, &error))?.len();
+    let len = file
+        .metadata()
+        .map_err(|error| unreadable(run, &error))?
+        .len();
     let need = run.offset + run.count * run.scalar_type.size() as u64;
     if len >= need {
         return Ok(());

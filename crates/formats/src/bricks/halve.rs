@@ -8,17 +8,31 @@ use super::levels::{Taps, taps};
 pub(super) trait Cell: Element {
     /// The nearest value, to even where there are two.
     fn nearest(value: f64) -> Self;
+    /// As `to_f64`, here so that it can be part of the loops that call it for every voxel.
+    fn real(self) -> f64;
 }
 
 macro_rules! cells {
     ($($int:ident)* ; $($float:ident)*) => {
         $(impl Cell for $int {
+            #[inline]
+            fn real(self) -> f64 {
+                self as f64
+            }
+
+            #[inline]
             fn nearest(value: f64) -> Self {
                 // Saturates.
                 value.round_ties_even() as Self
             }
         })*
         $(impl Cell for $float {
+            #[inline]
+            fn real(self) -> f64 {
+                self as f64
+            }
+
+            #[inline]
             fn nearest(value: f64) -> Self {
                 value as Self
             }
@@ -85,7 +99,7 @@ impl Halving {
                     out.extend(tx.iter().map(|x| self.mode(&rows, x)));
                     continue;
                 }
-                let finite = |row: &[T]| row.iter().all(|value| value.to_f64().is_finite());
+                let finite = |row: &[T]| row.iter().all(|value| value.real().is_finite());
                 if T::TYPE.is_float() && !rows.iter().all(|(row, _)| finite(row)) {
                     out.extend(tx.iter().map(|x| self.finite_mean(&rows, x)));
                     continue;
@@ -95,12 +109,12 @@ impl Halving {
                     if even {
                         let half = weight / 2.0;
                         for (sum, pair) in sums.iter_mut().zip(row.chunks_exact(2)) {
-                            *sum += half * pair[0].to_f64() + half * pair[1].to_f64();
+                            *sum += half * pair[0].real() + half * pair[1].real();
                         }
                     } else {
                         for (sum, x) in sums.iter_mut().zip(tx) {
                             for (i, wx) in self.along(x, 0) {
-                                *sum += weight * wx * row[i].to_f64();
+                                *sum += weight * wx * row[i].real();
                             }
                         }
                     }
@@ -122,7 +136,7 @@ impl Halving {
         let (mut sum, mut weights, mut others) = (0.0, 0.0, 0.0);
         for &(row, weight) in rows {
             for (i, wx) in self.along(x, 0) {
-                let (value, weight) = (row[i].to_f64(), weight * wx);
+                let (value, weight) = (row[i].real(), weight * wx);
                 if value.is_finite() {
                     sum += value * weight;
                     weights += weight;
@@ -148,7 +162,11 @@ impl Halving {
         for (value, weight) in found {
             // Sums of parts differ in their last digits.
             let near = (weight - best.1).abs() < 1e-9;
-            if if near { value < best.0 } else { weight > best.1 } {
+            if if near {
+                value < best.0
+            } else {
+                weight > best.1
+            } {
                 best = (value, weight);
             }
         }

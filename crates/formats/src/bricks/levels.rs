@@ -162,11 +162,21 @@ mod tests {
         let dims: Vec<_> = levels.iter().map(|level| level.grid.dims).collect();
         assert_eq!(
             dims,
-            [[100, 37, 5], [50, 19, 3], [25, 10, 2], [13, 5, 1], [7, 3, 1]]
+            [
+                [100, 37, 5],
+                [50, 19, 3],
+                [25, 10, 2],
+                [13, 5, 1],
+                [7, 3, 1]
+            ]
         );
         assert_eq!(levels[2].bricks, [4, 2, 1]);
         for level in &levels {
-            let pairs = level.grid.corners_world().into_iter().zip(grid.corners_world());
+            let pairs = level
+                .grid
+                .corners_world()
+                .into_iter()
+                .zip(grid.corners_world());
             for (a, b) in pairs {
                 assert!((a - b).length() < 1e-12, "{a} {b}");
             }

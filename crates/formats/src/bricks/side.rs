@@ -65,7 +65,10 @@ impl Packed {
 }
 
 /// The largest float32 that is not larger.
-#[expect(clippy::cast_possible_truncation, reason = "it is what the function is for")]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "it is what the function is for"
+)]
 fn down(value: f64) -> f32 {
     let near = value as f32;
     if f64::from(near) > value {
@@ -79,7 +82,9 @@ fn down(value: f64) -> f32 {
 pub(super) fn counts(dims: [u32; 3], edge: u32) -> Vec<u64> {
     let count = |dims: [u32; 3]| {
         let bricks = brick_dims(dims, edge).map(u64::from);
-        bricks.iter().fold(1, |product: u64, &n| product.saturating_mul(n))
+        bricks
+            .iter()
+            .fold(1, |product: u64, &n| product.saturating_mul(n))
     };
     let mut dims = dims;
     let mut counts = vec![count(dims)];
@@ -132,7 +137,10 @@ impl Side {
             bytes.extend(count.to_le_bytes());
         }
         for packed in self.bricks.iter().flatten() {
-            packed.0.iter().for_each(|value| bytes.extend(value.to_le_bytes()));
+            packed
+                .0
+                .iter()
+                .for_each(|value| bytes.extend(value.to_le_bytes()));
         }
         bytes.extend(crc32c::crc32c(&bytes).to_le_bytes());
         bytes
@@ -152,9 +160,8 @@ impl Side {
     }
 
     pub fn of_bytes(bytes: &[u8]) -> Result<Self, VolumeError> {
-        let broken = |cause: &str| {
-            VolumeError::DataCorrupt(Trouble::new(cause, "build the pyramid again"))
-        };
+        let broken =
+            |cause: &str| VolumeError::DataCorrupt(Trouble::new(cause, "build the pyramid again"));
         let (Some(MAGIC), Some(head)) = (bytes.first_chunk::<16>(), bytes.get(16..HEAD)) else {
             return Err(broken("is no table of bricks"));
         };
@@ -170,7 +177,9 @@ impl Side {
             return Err(broken("is cut off"));
         };
         if crc32c::crc32c(body) != u32::from_le_bytes(*checksum) {
-            return Err(broken("its checksum is another: it is cut off or was changed"));
+            return Err(broken(
+                "its checksum is another: it is cut off or was changed",
+            ));
         }
         let length = number(&head[4..]) as usize;
         let rest = body.get(HEAD..).unwrap_or_default();
@@ -225,7 +234,10 @@ impl Side {
         }
         let (eights, _) = eights.as_chunks::<8>();
         let (reals, whole) = eights.split_at(4);
-        let whole: Vec<u64> = whole.iter().map(|bytes| u64::from_le_bytes(*bytes)).collect();
+        let whole: Vec<u64> = whole
+            .iter()
+            .map(|bytes| u64::from_le_bytes(*bytes))
+            .collect();
         let (few, bins) = whole.split_at(4);
         let [min, max, mean, standard_deviation] =
             [0, 1, 2, 3].map(|i| f64::from_le_bytes(reals[i]));

@@ -14,10 +14,10 @@ use super::cache::ChunkCache;
 use super::field::{Field, read_at};
 use super::levels::{self, BrickLevel};
 use crate::load::{Limits, LoadOptions};
+use crate::pick;
 use crate::reader::VolumeReader;
 use crate::stream::FileRun;
 use crate::zarr::{self, Pyramid};
-use crate::pick;
 
 /// Blocks of a file that its digest is of, and their bytes.
 const SAMPLES: u64 = 64;
@@ -135,7 +135,11 @@ fn no_run() -> VolumeError {
 }
 
 /// Level 0, and the ones behind it as long as each halves the one before and lies where it should.
-fn own_levels(pyramid: &Arc<Pyramid>, levels: &[BrickLevel], cache: &Arc<ChunkCache>) -> Vec<Field> {
+fn own_levels(
+    pyramid: &Arc<Pyramid>,
+    levels: &[BrickLevel],
+    cache: &Arc<ChunkCache>,
+) -> Vec<Field> {
     let mut fields: Vec<Field> = Vec::new();
     let Some(finest) = pyramid.levels().next().copied() else {
         return fields;
@@ -163,7 +167,13 @@ fn tie_of_file(run: &FileRun, chosen: &str) -> Result<Tie, VolumeError> {
     let metadata = file.metadata().map_err(|error| unreadable(&error))?;
     let bytes = run.count * run.scalar_type.size() as u64;
     let mut hasher = blake3::Hasher::new();
-    hasher.update(format!("{chosen} {} {} {:?}", run.offset, run.big_endian, run.rescale).as_bytes());
+    hasher.update(
+        format!(
+            "{chosen} {} {} {:?}",
+            run.offset, run.big_endian, run.rescale
+        )
+        .as_bytes(),
+    );
     let mut block = vec![0; SAMPLE.min(bytes) as usize];
     let last = bytes - block.len() as u64;
     for sample in 0..SAMPLES {
@@ -204,7 +214,9 @@ fn tie_of_image(file: &Path, pyramid: &Pyramid, chosen: &str) -> Result<Tie, Vol
 fn modified(metadata: &Metadata) -> u64 {
     let time = metadata.modified().ok();
     let since = time.and_then(|time| time.duration_since(UNIX_EPOCH).ok());
-    since.map_or(0, |since| u64::try_from(since.as_nanos()).unwrap_or(u64::MAX))
+    since.map_or(0, |since| {
+        u64::try_from(since.as_nanos()).unwrap_or(u64::MAX)
+    })
 }
 
 fn unreadable(file: &Path, error: &std::io::Error) -> VolumeError {

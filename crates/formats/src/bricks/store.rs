@@ -91,13 +91,20 @@ impl BrickStore {
         }
         if !pyramid.join(FILE).is_file() {
             return Err(VolumeError::DataFile(Trouble::new(
-                format!("has no pyramid of levels: {} is not there", pyramid.display()),
+                format!(
+                    "has no pyramid of levels: {} is not there",
+                    pyramid.display()
+                ),
                 "build its pyramid first",
             ))
             .in_file(path));
         }
         let side = Side::read(&pyramid)?;
-        let source = if own { side.source_path(&pyramid) } else { path.to_path_buf() };
+        let source = if own {
+            side.source_path(&pyramid)
+        } else {
+            path.to_path_buf()
+        };
         Self::of_side(side, &source, &pyramid, options).map_err(|error| error.in_file(&pyramid))
     }
 
@@ -112,7 +119,12 @@ impl BrickStore {
             let reader = VolumeReader::open(pyramid, &LoadOptions::default())?;
             let contents = &reader.opened().contents;
             let levels = levels(reader.grid(), side.edge);
-            (contents.name.clone(), contents.about.clone(), levels, Vec::new())
+            (
+                contents.name.clone(),
+                contents.about.clone(),
+                levels,
+                Vec::new(),
+            )
         } else {
             let source = Source::open(path, &options.load, side.edge, options.mapped, &cache)?;
             if source.tie != side.tie {
@@ -128,7 +140,10 @@ impl BrickStore {
             return Err(stale(path));
         }
         if fields.len() != side.first as usize {
-            return Err(broken(format!("levels below {} are not in the source", side.first)));
+            return Err(broken(format!(
+                "levels below {} are not in the source",
+                side.first
+            )));
         }
         for number in side.first..u32::try_from(levels.len()).unwrap_or(u32::MAX) {
             fields.push(level_of(pyramid, number, &cache)?);
@@ -253,7 +268,10 @@ impl BrickStore {
         };
         let (Some(known), Some(field)) = (self.levels.get(level), self.fields.get(level)) else {
             let count = self.levels.len();
-            return refuse(format!("there is no level {level} of {count}"), "name one that is there");
+            return refuse(
+                format!("there is no level {level} of {count}"),
+                "name one that is there",
+            );
         };
         if (0..3).any(|i| brick[i] >= known.bricks[i]) {
             let bricks = known.bricks;
@@ -264,14 +282,18 @@ impl BrickStore {
         }
         if out.len() != self.brick_bytes() {
             return refuse(
-                format!("a slice of {} bytes for a brick of {}", out.len(), self.brick_bytes()),
+                format!(
+                    "a slice of {} bytes for a brick of {}",
+                    out.len(),
+                    self.brick_bytes()
+                ),
                 "give one of `brick_bytes`",
             );
         }
         let (dims, whole) = (known.grid.dims, self.edge + 2);
         let low = brick.map(|b| (b * self.edge).saturating_sub(1));
-        let high =
-            [0, 1, 2].map(|i| (u64::from(brick[i] + 1) * u64::from(self.edge) + 1).min(dims[i].into()));
+        let high = [0, 1, 2]
+            .map(|i| (u64::from(brick[i] + 1) * u64::from(self.edge) + 1).min(dims[i].into()));
         let size = [0, 1, 2].map(|i| high[i] as u32 - low[i]);
         let read = if size == [whole; 3] {
             field.read_into(low, size, out)
@@ -279,10 +301,23 @@ impl BrickStore {
             field.read(low, size).map(|voxels| {
                 // The brick's first voxel is one before its core.
                 let lead = brick.map(|b| u32::from(b == 0));
-                clamped(voxels.as_bytes(), size, lead, whole, self.scalar_type.size(), out);
+                clamped(
+                    voxels.as_bytes(),
+                    size,
+                    lead,
+                    whole,
+                    self.scalar_type.size(),
+                    out,
+                );
             })
         };
-        read.map_err(|error| error.in_file(if level == 0 { &self.path } else { &self.pyramid }))
+        read.map_err(|error| {
+            error.in_file(if level == 0 {
+                &self.path
+            } else {
+                &self.pyramid
+            })
+        })
     }
 
     /// The voxels of any box of a level, x fastest.
@@ -306,20 +341,15 @@ impl BrickStore {
             ))
             .in_file(&self.path));
         };
-        field.read(origin, size).map_err(|error| error.in_file(&self.path))
+        field
+            .read(origin, size)
+            .map_err(|error| error.in_file(&self.path))
     }
 }
 
 /// A cube of `whole` voxels along each edge out of a smaller box: `lead` voxels before it and those behind it repeat its
 /// first and last ones.
-fn clamped(
-    from: &[u8],
-    size: [u32; 3],
-    lead: [u32; 3],
-    whole: u32,
-    each: usize,
-    out: &mut [u8],
-) {
+fn clamped(from: &[u8], size: [u32; 3], lead: [u32; 3], whole: u32, each: usize, out: &mut [u8]) {
     let at = |i: u32, axis: usize| i.saturating_sub(lead[axis]).min(size[axis] - 1) as usize;
     let [nx, ny, _] = size.map(|n| n as usize);
     let mut rows = out.chunks_exact_mut(whole as usize * each);

@@ -6,11 +6,11 @@
 
 use std::ops::Range;
 
-use volgraph_volume::{Voxels, VolumeError, for_voxels};
+use volgraph_volume::{VolumeError, Voxels, for_voxels};
 
+use super::field::Field;
 use super::halve::Cell;
 use super::levels::{BrickLevel, between, first_in};
-use super::field::Field;
 use super::side::BINS;
 
 /// All levels, and what is known of their values.
@@ -92,8 +92,8 @@ impl Block<'_> {
         }
         if T::TYPE.is_float() {
             for value in &mut values {
-                if !value.to_f64().is_finite() {
-                    *value = T::nearest(self.survey.drawn(value.to_f64()));
+                if !value.real().is_finite() {
+                    *value = T::nearest(self.survey.drawn(value.real()));
                 }
             }
         }
@@ -105,7 +105,10 @@ impl Block<'_> {
                     let brick = [x, y, z];
                     let reach = [0, 1, 2].map(|i| {
                         let low = (brick[i] * edge).saturating_sub(1) - self.origin[i];
-                        let high = brick[i].saturating_add(1).saturating_mul(edge).saturating_add(1);
+                        let high = brick[i]
+                            .saturating_add(1)
+                            .saturating_mul(edge)
+                            .saturating_add(1);
                         low..(high - self.origin[i]).min(self.size[i])
                     });
                     let (min, max) = self.range(&values, &reach);
@@ -144,19 +147,23 @@ impl Block<'_> {
                 }
             }
         }
-        (min.to_f64(), max.to_f64())
+        (min.real(), max.real())
     }
 
     fn count<T: Cell>(&self, values: &[T], found: &mut Found) {
         let (lo, hi) = self.survey.range;
         // Halves, because the width of a range of float64 can pass the largest float64.
         let width = hi / 2.0 - lo / 2.0;
-        let scale = if width > 0.0 { BINS as f64 / width } else { 0.0 };
+        let scale = if width > 0.0 {
+            BINS as f64 / width
+        } else {
+            0.0
+        };
         found.bins = vec![0; BINS];
         for z in self.core[2].clone() {
             for y in self.core[1].clone() {
                 for value in self.row(values, &self.core[0], y, z) {
-                    let value = value.to_f64();
+                    let value = value.real();
                     if value.is_finite() {
                         let bin = (value / 2.0 - lo / 2.0) * scale;
                         found.bins[(bin as usize).min(BINS - 1)] += 1;
@@ -176,8 +183,12 @@ impl Block<'_> {
     ) -> Result<(), VolumeError> {
         let fine = self.survey.levels[0].grid.dims;
         let coarse = self.survey.levels[level].grid.dims;
-        let axes = [0, 1, 2].map(|i| Axis::new(&self.core[i], fine[i], coarse[i], self.survey.edge));
-        let read = self.survey.fields[level].read(axes.each_ref().map(|axis| axis.low), axes.each_ref().map(Axis::size))?;
+        let axes =
+            [0, 1, 2].map(|i| Axis::new(&self.core[i], fine[i], coarse[i], self.survey.edge));
+        let read = self.survey.fields[level].read(
+            axes.each_ref().map(|axis| axis.low),
+            axes.each_ref().map(Axis::size),
+        )?;
         let shown = self.doubles(read);
         let [ax, ay, az] = &axes;
         let [nx, ny, nz] = axes.each_ref().map(|axis| axis.size() as usize);
@@ -185,10 +196,12 @@ impl Block<'_> {
         let mut plane = vec![0.0; nx * ny];
         // One more, so that there is always a next one.
         let mut row = vec![0.0; nx + 1];
+        let mut errors = vec![0.0; ax.places.len()];
         for (bz, run) in az.runs.iter().enumerate() {
             for z in run.clone() {
                 let (k, t) = az.place(z);
-                let planes = [k, (k + 1).min(nz - 1)].map(|k| &shown[k * nx * ny..(k + 1) * nx * ny]);
+                let planes =
+                    [k, (k + 1).min(nz - 1)].map(|k| &shown[k * nx * ny..(k + 1) * nx * ny]);
                 mix(planes, t, &mut plane);
                 for (by, run) in ay.runs.iter().enumerate() {
                     for y in run.clone() {
@@ -197,15 +210,14 @@ impl Block<'_> {
                         mix(rows, t, &mut row[..nx]);
                         row[nx] = row[nx - 1];
                         let own = self.row(values, &self.core[0], y, z);
+                        for ((error, own), &(i, t)) in errors.iter_mut().zip(own).zip(&ax.places) {
+                            let [a, b] = [row[i as usize], row[i as usize + 1]];
+                            *error = a + (b - a) * t - own.real();
+                        }
                         for (bx, run) in ax.runs.iter().enumerate() {
-                            let [from, to] = [run.start, run.end].map(|x| (x - self.core[0].start) as usize);
-                            let (mut sum, mut most) = (0.0_f64, 0.0_f64);
-                            for (value, &(i, t)) in own[from..to].iter().zip(&ax.places[from..to]) {
-                                let [a, b] = [row[i as usize], row[i as usize + 1]];
-                                let error = a + (b - a) * t - value.to_f64();
-                                sum += error * error;
-                                most = most.max(error.abs());
-                            }
+                            let [from, to] =
+                                [run.start, run.end].map(|x| (x - self.core[0].start) as usize);
+                            let (sum, most) = reduce(&errors[from..to]);
                             let all = &mut sums[(bz * ay.runs.len() + by) * ax.runs.len() + bx];
                             *all = (all.0 + sum, all.1.max(most));
                         }
@@ -217,7 +229,11 @@ impl Block<'_> {
         for (i, (sum, most)) in sums.into_iter().enumerate() {
             let (x, rest) = (i % ax.runs.len(), i / ax.runs.len());
             let (y, z) = (rest % ay.runs.len(), rest / ay.runs.len());
-            let at = [ax.first + x as u32, ay.first + y as u32, az.first + z as u32];
+            let at = [
+                ax.first + x as u32,
+                ay.first + y as u32,
+                az.first + z as u32,
+            ];
             found.errors.push((level, number(bricks, at), sum, most));
         }
         Ok(())
@@ -225,9 +241,31 @@ impl Block<'_> {
 
     fn doubles(&self, voxels: Voxels) -> Vec<f64> {
         for_voxels!(&voxels, values => {
-            values.iter().map(|value| self.survey.drawn(volgraph_volume::Element::to_f64(*value))).collect()
+            values.iter().map(|value| self.survey.drawn(value.real())).collect()
         })
     }
+}
+
+/// Sum of squares and largest size; in eight lanes, for one sum would wait for itself.
+fn reduce(errors: &[f64]) -> (f64, f64) {
+    let (mut sums, mut most) = ([0.0_f64; 8], [0.0_f64; 8]);
+    let (eights, rest) = errors.as_chunks::<8>();
+    for eight in eights {
+        for lane in 0..8 {
+            let error = eight[lane].abs();
+            sums[lane] += error * error;
+            most[lane] = if error > most[lane] {
+                error
+            } else {
+                most[lane]
+            };
+        }
+    }
+    for error in rest {
+        sums[0] += error * error;
+        most[0] = most[0].max(error.abs());
+    }
+    (sums.iter().sum(), most.iter().copied().fold(0.0, f64::max))
 }
 
 fn mix([a, b]: [&[f64]; 2], t: f64, out: &mut [f64]) {

@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
-use volgraph_volume::{Element, Voxels, for_voxels};
+use volgraph_volume::{Voxels, for_voxels};
+
+use super::halve::Cell;
 
 /// Counts of some voxels.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +38,7 @@ impl Tally {
         for_voxels!(voxels, values => Self::of_values(values, size, part))
     }
 
-    fn of_values<T: Element>(values: &[T], size: [u32; 3], part: &[Range<u32>; 3]) -> Self {
+    fn of_values<T: Cell>(values: &[T], size: [u32; 3], part: &[Range<u32>; 3]) -> Self {
         let [nx, ny, _] = size.map(|n| n as usize);
         let [xs, ys, zs] = part.clone().map(|r| r.start as usize..r.end as usize);
         let mut all = Self::default();
@@ -45,7 +47,7 @@ impl Tally {
                 let at = (z * ny + y) * nx;
                 let row = &values[at + xs.start..at + xs.end];
                 if T::TYPE.is_float() {
-                    row.iter().for_each(|value| all.add(value.to_f64()));
+                    row.iter().for_each(|value| all.add(value.real()));
                 } else {
                     all.add_whole(row);
                 }
@@ -54,16 +56,16 @@ impl Tally {
         all
     }
 
-    fn add_whole<T: Element>(&mut self, row: &[T]) {
+    fn add_whole<T: Cell>(&mut self, row: &[T]) {
         let Some(&first) = row.first() else { return };
         let (mut min, mut max, mut sum) = (first, first, 0.0);
         for &value in row {
             min = if value < min { value } else { min };
             max = if value > max { value } else { max };
-            sum += value.to_f64();
+            sum += value.real();
         }
-        self.min = self.min.min(min.to_f64());
-        self.max = self.max.max(max.to_f64());
+        self.min = self.min.min(min.real());
+        self.max = self.max.max(max.real());
         self.sum += sum;
         self.finite += row.len() as u64;
     }
@@ -107,6 +109,10 @@ impl Tally {
         let (min, max) = self.range();
         let mean = self.sum / self.finite.max(1) as f64;
         // A sum past float64 has none.
-        if mean.is_finite() { mean.clamp(min, max) } else { min / 2.0 + max / 2.0 }
+        if mean.is_finite() {
+            mean.clamp(min, max)
+        } else {
+            min / 2.0 + max / 2.0
+        }
     }
 }
