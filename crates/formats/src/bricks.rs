@@ -18,10 +18,12 @@ mod chunks;
 mod field;
 mod halve;
 mod levels;
+mod plan;
 mod side;
 mod source;
 mod store;
 mod survey;
+mod tables;
 mod tally;
 
 use volgraph_volume::Histogram;

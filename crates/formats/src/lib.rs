@@ -33,6 +33,7 @@ mod rescale;
 mod series;
 mod slices;
 mod stack;
+mod stored;
 mod stream;
 mod text_data;
 mod tiff;

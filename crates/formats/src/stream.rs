@@ -5,7 +5,6 @@
 //! and bytes skipped, the stream decoded, and the vector grown as the stream delivers, at most doubling, so that a
 //! header's word alone allocates nothing. One byte more than expected is an error, one less too; behind the elements
 //! of a time step a stream is not read on. Last, the byte order is turned where it is not the machine's.
-//! [`Stored`] is a job whose elements lie along the axes of a file.
 
 use std::io::{self, ErrorKind, Read};
 use std::path::PathBuf;
@@ -15,11 +14,9 @@ use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 
 use volgraph_volume::{Element, ScalarType, Trouble, VolumeError, Voxels, for_scalar_type};
 
-use crate::axes::Axes;
-use crate::contents::Data;
 use crate::load::Limits;
 use crate::piece::{Encoding, Piece, read_block};
-use crate::rescale::Rescale;
+pub(crate) use crate::stored::{FileRun, Stored};
 use crate::text_data;
 
 /// Bytes read between two reports of progress, and the first step of a growing vector.
@@ -65,6 +62,37 @@ impl Job<'_> {
         for_scalar_type!(self.scalar_type, T => self.read_typed::<T>(run, limits).map(T::wrap))
     }
 
+    /// Where the plain bytes of the only piece begin in its file, which has all of them; `None` where they are packed,
+    /// or in several pieces, or in memory alone.
+    pub fn plain_start(&self, limits: &Limits) -> Result<Option<u64>, VolumeError> {
+        let [piece] = self.pieces.as_slice() else {
+            return Ok(None);
+        };
+        if piece.encoding != Encoding::Raw || piece.encoded_len.is_some() || piece.input.is_memory()
+        {
+            return Ok(None);
+        }
+        let located = || {
+            let (_, at) = piece.open()?;
+            let rest = piece.input.len.saturating_sub(at);
+            for_scalar_type!(self.scalar_type, T => {
+                let sink = Sink::<T> {
+                    job: self,
+                    piece,
+                    limits,
+                    skip: 0,
+                    want: 0,
+                    whole: usize::try_from(self.count).unwrap_or(usize::MAX),
+                    total: 0,
+                    values: &mut Vec::new(),
+                };
+                sink.locate(at, rest)
+            })
+        };
+        let start = located().map_err(|error: VolumeError| error.in_file(&piece.input.path))?;
+        Ok(Some(start))
+    }
+
     fn read_typed<T: Element>(
         &self,
         (from, count): (u64, u64),
@@ -98,81 +126,6 @@ impl Job<'_> {
             values.iter_mut().for_each(|value| *value = value.swapped());
         }
         Ok(values)
-    }
-}
-
-/// Plain elements that lie in one run of a file, which was seen to hold all of them.
-#[derive(Clone, Debug)]
-pub(crate) struct FileRun {
-    pub file: PathBuf,
-    /// Bytes before the first element.
-    pub offset: u64,
-    pub count: u64,
-    pub scalar_type: ScalarType,
-    pub big_endian: bool,
-    /// What is done to the elements.
-    pub rescale: Option<Rescale>,
-}
-
-/// A job whose elements lie along the axes of a file.
-pub(crate) struct Stored<'a> {
-    pub job: Job<'a>,
-    pub axes: Axes,
-    /// What is done to the values; its stored type is that of the job.
-    pub rescale: Option<Rescale>,
-}
-
-impl Data for Stored<'_> {
-    fn read(&self, step: u32, limits: &Limits) -> Result<Voxels, VolumeError> {
-        let values = match self.axes.run_of_step(step) {
-            Some(run) => self.job.read(run, limits)?,
-            None => {
-                let all = self.job.read((0, self.job.count), limits)?;
-                self.axes.step(all, step)
-            }
-        };
-        Ok(match &self.rescale {
-            Some(rescale) => rescale.apply(values),
-            None => values,
-        })
-    }
-
-    fn run(&self, step: u32, limits: &Limits) -> Result<Option<FileRun>, VolumeError> {
-        let ([piece], Some((from, count))) =
-            (self.job.pieces.as_slice(), self.axes.run_of_step(step))
-        else {
-            return Ok(None);
-        };
-        let plain = piece.encoding == Encoding::Raw && piece.encoded_len.is_none();
-        if !plain || piece.input.is_memory() || !self.axes.is_plain() {
-            return Ok(None);
-        }
-        let located = || {
-            let (_, at) = piece.open()?;
-            let rest = piece.input.len.saturating_sub(at);
-            for_scalar_type!(self.job.scalar_type, T => {
-                let sink = Sink::<T> {
-                    job: &self.job,
-                    piece,
-                    limits,
-                    skip: 0,
-                    want: 0,
-                    whole: self.job.count as usize,
-                    total: count,
-                    values: &mut Vec::new(),
-                };
-                sink.locate(at, rest)
-            })
-        };
-        let offset = located().map_err(|error: VolumeError| error.in_file(&piece.input.path))?;
-        Ok(Some(FileRun {
-            file: piece.input.path.clone(),
-            offset: offset + from * self.job.scalar_type.size() as u64,
-            count,
-            scalar_type: self.job.scalar_type,
-            big_endian: self.job.big_endian,
-            rescale: self.rescale,
-        }))
     }
 }
 

@@ -157,7 +157,7 @@ fn check_infos(store: &BrickStore) {
             let near = |a: f64, b: f64| (a - b).abs() <= 2e-6 * b.abs().max(1e-3);
             assert!(info.min <= min && near(info.min, min), "{info:?} {min}");
             assert!(info.max >= max && near(info.max, max), "{info:?} {max}");
-            let (mut sum, mut most, mut count) = (0.0, 0.0_f64, 0.0);
+            let (mut sum, mut most, mut count) = (0.0, 0.0_f64, 0.0_f64);
             for at in each(dims) {
                 // The sample's centre in the level's index space.
                 let place = [0, 1, 2]
@@ -172,7 +172,7 @@ fn check_infos(store: &BrickStore) {
                     count += 1.0;
                 }
             }
-            let rms = (sum / f64::from(count)).sqrt();
+            let rms = (sum / count).sqrt();
             assert!(
                 near(info.rms_error, rms),
                 "{number} {brick:?}: {info:?} {rms}"

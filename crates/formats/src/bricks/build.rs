@@ -6,28 +6,24 @@
 //! parallel, are read by position, and are as long along x as the bound on memory lets them be. All of it happens in a
 //! temporary folder that gets its name at the end.
 
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
 use volgraph_volume::edit::{Filter, Watch};
-use volgraph_volume::{
-    Element, Histogram, ScalarType, Trouble, Values, VolumeError, brick_dims, for_voxels,
-};
+use volgraph_volume::{Element, ScalarType, Trouble, Values, VolumeError, brick_dims, for_voxels};
 
+use super::DEFAULT_EDGE;
 use super::cache::ChunkCache;
 use super::chunks::Target;
 use super::field::Field;
 use super::halve::{Halving, Reduce};
 use super::levels::first_in;
-use super::side::{self, BINS, Packed, Side};
+use super::plan::{Plan, check_options, first_built, longest, tile_bytes};
+use super::side::{self, Side};
 use super::source::Source;
-use super::survey::{Found, Survey};
 use super::tally::Tally;
-use super::{BrickStatistics, DEFAULT_EDGE};
 use crate::load::LoadOptions;
 use crate::write::target::{TempFolder, check};
 use crate::write::zarr::{group, pretty};
@@ -132,29 +128,6 @@ pub fn build(source: &Path, out: &Path, options: &BuildOptions) -> Result<Built,
     })
 }
 
-fn check_options(options: &BuildOptions) -> Result<(), VolumeError> {
-    let few = |n: u32| (1..=64).contains(&n);
-    if !few(options.chunk_bricks) || !options.shard_chunks.is_none_or(few) {
-        return Err(VolumeError::Option(Trouble::new(
-            "chunks of no bricks or shards of no chunks, or of more than 64 along an edge",
-            "give 1 to 64 of them",
-        )));
-    }
-    match options.compression {
-        Compression::Gzip(10..) => Some("deflate has levels of 0 to 9"),
-        Compression::Zstd(level) if !(1..=22).contains(&level) => {
-            Some("Zstandard has levels of 1 to 22")
-        }
-        _ => None,
-    }
-    .map_or(Ok(()), |cause| {
-        Err(VolumeError::Option(Trouble::new(
-            cause,
-            "give one of these",
-        )))
-    })
-}
-
 /// Refuses to write a pyramid over its source.
 fn apart(source: &Path, out: &Path) -> Result<(), VolumeError> {
     if let (Ok(source), Ok(target)) = (source.canonicalize(), out.canonicalize())
@@ -169,98 +142,14 @@ fn apart(source: &Path, out: &Path) -> Result<(), VolumeError> {
     Ok(())
 }
 
-/// How much is done at once.
-struct Plan {
-    pool: ThreadPool,
-    /// Bytes that one thread may have.
-    each: u64,
-    /// Voxels along the edge of what is written at once.
-    unit: u32,
-    /// Bytes that will be reported.
-    total: u64,
-}
-
-impl Plan {
-    fn new(source: &Source, options: &BuildOptions) -> Result<Self, VolumeError> {
-        let size = source.scalar_type.size() as u64;
-        let unit = options.edge * options.chunk_bricks * options.shard_chunks.unwrap_or(1);
-        let half = options.max_memory / 2;
-        let dims = source.levels[0].grid.dims;
-        // Ranges and errors of every brick, packed and summed up.
-        let tables = side::counts(dims, options.edge)
-            .into_iter()
-            .fold(0_u64, u64::saturating_add)
-            .saturating_mul(48)
-            + (BINS as u64) * 8;
-        let written = tile_bytes(unit, unit, size, dims);
-        let surveyed = block_bytes(options.edge, 1, size, dims);
-        let least = written.max(surveyed);
-        if tables > options.max_memory / 4 || least > half {
-            let need = (4 * tables).max(2 * least).div_ceil(1 << 20);
-            return Err(VolumeError::TooLarge(Trouble::new(
-                format!("a pyramid of {dims:?} voxels needs {need} MiB of memory to be built"),
-                "allow more memory (max_memory), or smaller chunks and shards",
-            )));
-        }
-        let threads = rayon::current_num_threads()
-            .min((half / least.max(1)) as usize)
-            .max(1);
-        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-        let pool = pool.map_err(|error| {
-            VolumeError::TooLarge(Trouble::new(
-                format!("no threads can be started: {error}"),
-                "free memory, and start it again",
-            ))
-        })?;
-        let bytes = |level: usize| source.levels[level].grid.voxel_count().saturating_mul(size);
-        let count = source.levels.len();
-        let own = first_built(source, options);
-        let alone = if own > 1 || count == 1 { bytes(0) } else { 0 };
-        let copied = if options.copy_level_0 { bytes(0) } else { 0 };
-        let halved = (own..count).map(|number| bytes(number - 1));
-        let parts = halved.chain((0..count).map(bytes)).chain([alone, copied]);
-        Ok(Self {
-            pool,
-            each: half / threads as u64,
-            unit,
-            total: parts.fold(0, u64::saturating_add),
-        })
-    }
-}
-
-/// The first level that is built: a copy has all of them in one place.
-fn first_built(source: &Source, options: &BuildOptions) -> usize {
-    if options.copy_level_0 {
-        1
-    } else {
-        source.fields.len()
-    }
-}
-
-/// Bytes of a box of `width` voxels along x and `unit` along y and z that is made of a finer level.
-fn tile_bytes(width: u32, unit: u32, size: u64, dims: [u32; 3]) -> u64 {
-    let n = |n: u32, axis: usize| u64::from(n).min(u64::from(dims[axis]));
-    let fine = n(2 * width + 2, 0) * n(2 * unit + 2, 1) * n(2 * unit + 2, 2);
-    let coarse = n(width, 0) * n(unit, 1) * n(unit, 2);
-    // The voxels twice (as they are read, and once more where they are rescaled or unpacked); the result, a chunk of it as bytes, and packed.
-    fine * size * 2 + coarse * size * 3 + u64::from(width) * 8
-}
-
-/// Bytes of a block of `count` bricks along x and two along y and z, compared with the levels.
-fn block_bytes(edge: u32, count: u32, size: u64, dims: [u32; 3]) -> u64 {
-    let n = |n: u32, axis: usize| u64::from(n).min(u64::from(dims[axis]));
-    let fine = n(count * edge + 2, 0) * n(2 * edge + 2, 1) * n(2 * edge + 2, 2);
-    let coarse = n(count * edge / 2 + 3, 0) * n(edge + 3, 1) * n(edge + 3, 2);
-    fine * size * 2 + coarse * (8 + size) + (BINS as u64) * 8
-}
-
-struct Build<'a> {
+/// A build that goes on.
+pub(super) struct Build<'a> {
     folder: &'a TempFolder,
-    options: &'a BuildOptions,
+    pub(super) options: &'a BuildOptions,
     cache: Arc<ChunkCache>,
     reduce: Reduce,
     done: AtomicU64,
-    plan: Plan,
+    pub(super) plan: Plan,
 }
 
 /// A box of a level: first index and size.
@@ -391,7 +280,7 @@ impl Build<'_> {
         let along = longest(counts[0], fits);
         let work = |at: [u32; 3]| {
             let origin = [at[0] * along, at[1], at[2]].map(|n| n * unit);
-            let most = [along * unit, unit, unit];
+            let most = [along.saturating_mul(unit), unit, unit];
             let size = [0, 1, 2].map(|i| most[i].min(dims[i] - origin[i]));
             work((origin, size))
         };
@@ -403,7 +292,7 @@ impl Build<'_> {
     }
 
     /// Runs through a grid of boxes in batches.
-    fn each<O: Send>(
+    pub(super) fn each<O: Send>(
         &self,
         counts: [u32; 3],
         work: impl Fn([u32; 3]) -> Result<O, VolumeError> + Sync,
@@ -434,113 +323,13 @@ impl Build<'_> {
         Ok(())
     }
 
-    fn report(&self, size: [u32; 3], scalar_type: ScalarType) {
+    pub(super) fn report(&self, size: [u32; 3], scalar_type: ScalarType) {
         let voxels: u64 = size.iter().map(|&n| u64::from(n)).product();
         let bytes = voxels * scalar_type.size() as u64;
         let done = self.done.fetch_add(bytes, Ordering::Relaxed) + bytes;
         self.options
             .watch
             .report(done.min(self.plan.total), self.plan.total);
-    }
-
-    /// What is known of all bricks of all levels.
-    fn survey(
-        &self,
-        source: &Source,
-        fields: Vec<&Field>,
-        tally: &Tally,
-    ) -> Result<(BrickStatistics, Vec<Vec<Packed>>), VolumeError> {
-        let (levels, edge) = (&source.levels, self.options.edge);
-        let survey = Survey {
-            fields,
-            levels,
-            edge,
-            range: tally.range(),
-            mean: tally.mean(),
-        };
-        let counts = side::counts(levels[0].grid.dims, edge);
-        let table = |&count: &u64| vec![(0.0, 0.0); usize::try_from(count).unwrap_or(usize::MAX)];
-        let mut ranges: Vec<Vec<(f64, f64)>> = counts.iter().map(table).collect();
-        let mut errors: Vec<Vec<(f64, f64)>> = counts.iter().map(table).collect();
-        let mut bins = vec![0_u64; BINS];
-        let mut squares = 0.0;
-        let size = source.scalar_type.size() as u64;
-        let fits = |count: u32| block_bytes(edge, count, size, [u32::MAX; 3]) <= self.plan.each;
-        for number in 0..levels.len() {
-            let bricks = levels[number].bricks;
-            let along = [longest(bricks[0], fits), 2, 2];
-            let blocks = [0, 1, 2].map(|i| bricks[i].div_ceil(along[i]));
-            self.each(
-                blocks,
-                |at| {
-                    let block: [Range<u32>; 3] = [0, 1, 2].map(|i| {
-                        let start = at[i] * along[i];
-                        start..start.saturating_add(along[i]).min(bricks[i])
-                    });
-                    let found = survey.block(number, &block)?;
-                    let dims = levels[number].grid.dims;
-                    let core = [0, 1, 2]
-                        .map(|i| (block[i].end * edge).min(dims[i]) - block[i].start * edge);
-                    self.report(core, source.scalar_type);
-                    Ok(found)
-                },
-                |found: Found| {
-                    for (brick, min, max) in found.ranges {
-                        ranges[number][brick] = (min, max);
-                    }
-                    bins.iter_mut()
-                        .zip(found.bins)
-                        .for_each(|(all, bin)| *all += bin);
-                    squares += found.squares;
-                    for (level, brick, sum, most) in found.errors {
-                        let all = &mut errors[level][brick];
-                        *all = (all.0 + sum, all.1.max(most));
-                    }
-                },
-            )?;
-        }
-        let fine = levels[0].grid.dims;
-        let packed =
-            levels
-                .iter()
-                .zip(ranges.iter().zip(&errors))
-                .map(|(level, (ranges, errors))| {
-                    let [nx, ny, _] = level.bricks.map(|n| n as usize);
-                    let one = |(i, (range, error)): (usize, (&(f64, f64), &(f64, f64)))| {
-                        let at = [i % nx, i / nx % ny, i / (nx * ny)];
-                        // Fine samples in the brick's box.
-                        let samples = [0, 1, 2].map(|axis| {
-                            let m = level.grid.dims[axis];
-                            let first = |brick: usize| {
-                                first_in((brick as u32).saturating_mul(edge).min(m), fine[axis], m)
-                            };
-                            f64::from(first(at[axis] + 1) - first(at[axis]))
-                        });
-                        let rms = (error.0 / samples.iter().product::<f64>()).sqrt();
-                        // Rounding of the sum must not lift it over the largest one.
-                        Packed::new(range.0, range.1, rms.min(error.1), error.1)
-                    };
-                    ranges.iter().zip(errors).enumerate().map(one).collect()
-                });
-        let (lo, hi) = tally.range();
-        let known = tally.finite > 0;
-        let or_nan = |value: f64| if known { value } else { f64::NAN };
-        let statistics = BrickStatistics {
-            min: or_nan(lo),
-            max: or_nan(hi),
-            mean: or_nan(tally.mean()),
-            standard_deviation: or_nan((squares / tally.finite.max(1) as f64).sqrt()),
-            finite_count: tally.finite,
-            nan_count: tally.nan,
-            positive_infinity_count: tally.positive,
-            negative_infinity_count: tally.negative,
-            histogram: Histogram {
-                lo,
-                hi,
-                counts: bins,
-            },
-        };
-        Ok((statistics, packed.collect()))
     }
 }
 
@@ -556,20 +345,6 @@ pub(super) fn level_of(
         VolumeError::DataFile(Trouble::new("has no level", "build the pyramid again"))
             .in_file(&path)
     })
-}
-
-/// The largest count up to `most` that fits; 1 where none does.
-fn longest(most: u32, fits: impl Fn(u32) -> bool) -> u32 {
-    let (mut low, mut high) = (1, most.max(1));
-    while low < high {
-        let middle = low + (high - low).div_ceil(2);
-        if fits(middle) {
-            low = middle;
-        } else {
-            high = middle - 1;
-        }
-    }
-    low
 }
 
 /// The source's path as it is found from the folder of the pyramid: its name where they lie side by side.

@@ -165,7 +165,7 @@ impl Side {
         let (Some(MAGIC), Some(head)) = (bytes.first_chunk::<16>(), bytes.get(16..HEAD)) else {
             return Err(broken("is no table of bricks"));
         };
-        let number = |bytes: &[u8]| bytes.try_into().map(u32::from_le_bytes).unwrap_or(0);
+        let number = |bytes: &[u8]| bytes.try_into().map_or(0, u32::from_le_bytes);
         let version = number(&head[..4]);
         if version != VERSION {
             return Err(VolumeError::Unsupported(Trouble::new(

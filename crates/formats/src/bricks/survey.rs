@@ -189,7 +189,7 @@ impl Block<'_> {
             axes.each_ref().map(|axis| axis.low),
             axes.each_ref().map(Axis::size),
         )?;
-        let shown = self.doubles(read);
+        let shown = self.doubles(&read);
         let [ax, ay, az] = &axes;
         let [nx, ny, nz] = axes.each_ref().map(|axis| axis.size() as usize);
         let mut sums = vec![(0.0_f64, 0.0_f64); ax.runs.len() * ay.runs.len() * az.runs.len()];
@@ -239,8 +239,8 @@ impl Block<'_> {
         Ok(())
     }
 
-    fn doubles(&self, voxels: Voxels) -> Vec<f64> {
-        for_voxels!(&voxels, values => {
+    fn doubles(&self, voxels: &Voxels) -> Vec<f64> {
+        for_voxels!(voxels, values => {
             values.iter().map(|value| self.survey.drawn(value.real())).collect()
         })
     }
