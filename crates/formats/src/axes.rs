@@ -148,6 +148,11 @@ impl Axes {
         })
     }
 
+    /// Whether a step is one value per voxel, x fastest, then y, then z.
+    pub fn is_plain(&self) -> bool {
+        self.component_count() == 1 && self.spatial.windows(2).all(|pair| pair[0] < pair[1])
+    }
+
     /// The voxels of one component out of those of one step, x fastest.
     pub fn select(&self, voxels: Voxels, component: u64) -> Voxels {
         let in_order = self.spatial.windows(2).all(|pair| pair[0] < pair[1]);

@@ -6,6 +6,7 @@ use volgraph_volume::{About, Grid, ScalarType, VolumeError, Voxels};
 
 use crate::axes::Axes;
 use crate::load::Limits;
+use crate::stream::FileRun;
 
 /// A file whose header was read and checked, and the way to its voxels.
 pub(crate) struct Opened<'a> {
@@ -18,6 +19,11 @@ pub(crate) trait Data: Send + Sync {
     /// All values of one time step (0 where there is one), in the order of [`Contents::axes`] without the time axis,
     /// of the type [`Contents::scalar_type`]. Must not allocate much more than the file holds or `limits` allow.
     fn read(&self, step: u32, limits: &Limits) -> Result<Voxels, VolumeError>;
+
+    /// Where the voxels of a step lie, if they are plain ones in one run of one file; its length was checked.
+    fn run(&self, _step: u32, _limits: &Limits) -> Result<Option<FileRun>, VolumeError> {
+        Ok(None)
+    }
 }
 
 /// What a file says.

@@ -13,6 +13,7 @@
 //! is one, the cause and the remedy. Volumes are placed in the world frame LPS (see `volgraph-volume`).
 
 mod axes;
+pub mod bricks;
 mod contents;
 mod data_files;
 mod dicom;
@@ -32,6 +33,7 @@ mod rescale;
 mod series;
 mod slices;
 mod stack;
+mod stored;
 mod stream;
 mod text_data;
 mod tiff;

@@ -75,6 +75,11 @@ impl<'a> VolumeReader<'a> {
         })
     }
 
+    /// What was read of the header, and the way to the voxels.
+    pub(crate) fn opened(&self) -> &Opened<'a> {
+        &self.opened
+    }
+
     /// How many time steps there are; 1 where the file knows no time.
     #[must_use]
     pub fn step_count(&self) -> u32 {

@@ -5,7 +5,6 @@
 //! and bytes skipped, the stream decoded, and the vector grown as the stream delivers, at most doubling, so that a
 //! header's word alone allocates nothing. One byte more than expected is an error, one less too; behind the elements
 //! of a time step a stream is not read on. Last, the byte order is turned where it is not the machine's.
-//! [`Stored`] is a job whose elements lie along the axes of a file.
 
 use std::io::{self, ErrorKind, Read};
 use std::path::PathBuf;
@@ -15,11 +14,9 @@ use flate2::bufread::{MultiGzDecoder, ZlibDecoder};
 
 use volgraph_volume::{Element, ScalarType, Trouble, VolumeError, Voxels, for_scalar_type};
 
-use crate::axes::Axes;
-use crate::contents::Data;
 use crate::load::Limits;
 use crate::piece::{Encoding, Piece, read_block};
-use crate::rescale::Rescale;
+pub(crate) use crate::stored::{FileRun, Stored};
 use crate::text_data;
 
 /// Bytes read between two reports of progress, and the first step of a growing vector.
@@ -65,6 +62,37 @@ impl Job<'_> {
         for_scalar_type!(self.scalar_type, T => self.read_typed::<T>(run, limits).map(T::wrap))
     }
 
+    /// Where the plain bytes of the only piece begin in its file, which has all of them; `None` where they are packed,
+    /// or in several pieces, or in memory alone.
+    pub fn plain_start(&self, limits: &Limits) -> Result<Option<u64>, VolumeError> {
+        let [piece] = self.pieces.as_slice() else {
+            return Ok(None);
+        };
+        if piece.encoding != Encoding::Raw || piece.encoded_len.is_some() || piece.input.is_memory()
+        {
+            return Ok(None);
+        }
+        let located = || {
+            let (_, at) = piece.open()?;
+            let rest = piece.input.len.saturating_sub(at);
+            for_scalar_type!(self.scalar_type, T => {
+                let sink = Sink::<T> {
+                    job: self,
+                    piece,
+                    limits,
+                    skip: 0,
+                    want: 0,
+                    whole: usize::try_from(self.count).unwrap_or(usize::MAX),
+                    total: 0,
+                    values: &mut Vec::new(),
+                };
+                sink.locate(at, rest)
+            })
+        };
+        let start = located().map_err(|error: VolumeError| error.in_file(&piece.input.path))?;
+        Ok(Some(start))
+    }
+
     fn read_typed<T: Element>(
         &self,
         (from, count): (u64, u64),
@@ -98,30 +126,6 @@ impl Job<'_> {
             values.iter_mut().for_each(|value| *value = value.swapped());
         }
         Ok(values)
-    }
-}
-
-/// A job whose elements lie along the axes of a file.
-pub(crate) struct Stored<'a> {
-    pub job: Job<'a>,
-    pub axes: Axes,
-    /// What is done to the values; its stored type is that of the job.
-    pub rescale: Option<Rescale>,
-}
-
-impl Data for Stored<'_> {
-    fn read(&self, step: u32, limits: &Limits) -> Result<Voxels, VolumeError> {
-        let values = match self.axes.run_of_step(step) {
-            Some(run) => self.job.read(run, limits)?,
-            None => {
-                let all = self.job.read((0, self.job.count), limits)?;
-                self.axes.step(all, step)
-            }
-        };
-        Ok(match &self.rescale {
-            Some(rescale) => rescale.apply(values),
-            None => values,
-        })
     }
 }
 
@@ -194,6 +198,13 @@ impl<T: Element> Sink<'_, '_, T> {
 
     /// Plain bytes: the length of the file tells everything before anything is allocated.
     fn read_raw(&mut self, at: u64, rest: u64) -> Result<(), VolumeError> {
+        let from = self.locate(at, rest)?;
+        let mut reader = self.piece.input.open(from + self.skip_len())?;
+        self.fill(&mut reader, self.want)
+    }
+
+    /// Where the piece's plain bytes begin in its file, which has all of them.
+    fn locate(&self, at: u64, rest: u64) -> Result<u64, VolumeError> {
         let want = self.whole_bytes();
         let skip = self.piece.byte_skip;
         let (from, have) = if skip >= 0 {
@@ -218,8 +229,7 @@ impl<T: Element> Sink<'_, '_, T> {
         if have > want && !self.only_a_line_end(from + want, have - want)? {
             return Err(self.too_long(format_args!("{have} bytes")));
         }
-        let mut reader = self.piece.input.open(from + self.skip_len())?;
-        self.fill(&mut reader, self.want)
+        Ok(from)
     }
 
     fn only_a_line_end(&self, at: u64, len: u64) -> Result<bool, VolumeError> {

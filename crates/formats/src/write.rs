@@ -10,8 +10,8 @@ mod metaimage;
 mod nifti;
 mod nrrd;
 mod plain;
-mod target;
-mod zarr;
+pub(crate) mod target;
+pub(crate) mod zarr;
 
 use std::path::{Path, PathBuf};
 

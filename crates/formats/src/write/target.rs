@@ -14,7 +14,7 @@ use super::{WriteOptions, Written};
 /// Bytes between two looks at the watch.
 const BLOCK: usize = 1 << 22;
 
-pub(super) fn failed(error: &io::Error) -> VolumeError {
+pub(crate) fn failed(error: &io::Error) -> VolumeError {
     VolumeError::Write(Trouble::new(
         format!("cannot be written: {error}"),
         "check that the folder is there, that it may be written, and that the disk has space",
@@ -22,7 +22,7 @@ pub(super) fn failed(error: &io::Error) -> VolumeError {
 }
 
 /// Refuses a target that is there and must stay.
-pub(super) fn check(path: &Path, folder: bool, options: &WriteOptions) -> Result<(), VolumeError> {
+pub(crate) fn check(path: &Path, folder: bool, options: &WriteOptions) -> Result<(), VolumeError> {
     let refuse = |cause: &str, remedy: &str| {
         Err(VolumeError::Write(Trouble::new(cause, remedy)).in_file(path))
     };
@@ -249,7 +249,7 @@ fn put_blocks<T: bytemuck::Pod>(
 }
 
 /// A folder under a name of its own until it is whole.
-pub(super) struct TempFolder {
+pub(crate) struct TempFolder {
     folder: TempDir,
     path: PathBuf,
 }
@@ -269,6 +269,11 @@ impl TempFolder {
             folder,
             path: path.to_path_buf(),
         })
+    }
+
+    /// Where it is for now.
+    pub fn path(&self) -> &Path {
+        self.folder.path()
     }
 
     /// Writes a file of the folder, with the folders on the way to it.

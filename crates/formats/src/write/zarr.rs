@@ -13,7 +13,7 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use volgraph_volume::edit::{Filter, Target, Watch, resample};
-use volgraph_volume::{Grid, ScalarType, Trouble, Values, Volume, VolumeError, for_voxels};
+use volgraph_volume::{About, Grid, ScalarType, Trouble, Values, Volume, VolumeError, for_voxels};
 
 use super::target::{TempFolder, failed};
 use super::{Compression, WriteOptions, Written};
@@ -65,7 +65,8 @@ pub(super) fn write(
         job.write_level(number, level)?;
         grids.push(*level.grid());
     }
-    let group = group(volume, &grids, job.colors, filter);
+    let (name, about) = (volume.name(), volume.about());
+    let group = group(name, about, 0, &grids, job.colors, filter);
     job.put("zarr.json", &pretty(&group))?;
     let bytes = job.bytes.into_inner();
     let mut warnings = Vec::new();
@@ -102,13 +103,19 @@ fn is_plain(grid: &Grid) -> bool {
     matrix == DMat3::from_diagonal(diagonal) && diagonal.min_element() > 0.0 && !grid.node_centred
 }
 
-fn pretty(value: &Value) -> Vec<u8> {
+pub(crate) fn pretty(value: &Value) -> Vec<u8> {
     format!("{value:#}").into_bytes()
 }
 
-/// The group's metadata.
-fn group(volume: &Volume, grids: &[Grid], colors: bool, filter: Filter) -> Value {
-    let about = volume.about();
+/// The group's metadata; its finest level has the number `first`.
+pub(crate) fn group(
+    name: &str,
+    about: &About,
+    first: usize,
+    grids: &[Grid],
+    colors: bool,
+    filter: Filter,
+) -> Value {
     let unit = about.length_unit.as_deref().and_then(long_unit);
     let axis = |name: &str| match unit {
         Some(unit) => json!({"name": name, "type": "space", "unit": unit}),
@@ -129,7 +136,7 @@ fn group(volume: &Volume, grids: &[Grid], colors: bool, filter: Filter) -> Value
         .iter()
         .enumerate()
         .map(|(level, grid)| {
-            json!({"path": level.to_string(), "coordinateTransformations": [
+            json!({"path": (first + level).to_string(), "coordinateTransformations": [
                 {"type": "scale", "scale": vector(grid.spacing(), 1.0)},
                 {"type": "translation", "translation": vector(grid.origin(), 0.0)},
             ]})
@@ -141,7 +148,7 @@ fn group(volume: &Volume, grids: &[Grid], colors: bool, filter: Filter) -> Value
     };
     let mut ome = json!({
         "version": "0.5",
-        "multiscales": [{"name": volume.name(), "axes": axes, "datasets": datasets, "type": method}],
+        "multiscales": [{"name": name, "axes": axes, "datasets": datasets, "type": method}],
     });
     if colors {
         let channel = |label: &str, color: &str| {
@@ -226,7 +233,7 @@ impl Job<'_> {
                 } else {
                     format!("{number}/c/{z}/{y}/{x}")
                 };
-                self.put(&name, &self.pack(&bytes)?)?;
+                self.put(&name, &pack(&bytes, self.compression)?)?;
                 let done = self.done.fetch_add(inside, Ordering::Relaxed) + inside;
                 self.options.watch.report(done, self.total);
                 Ok(())
@@ -239,18 +246,46 @@ impl Job<'_> {
     }
 
     fn array(&self, level: &Volume) -> Value {
-        let grid = level.grid();
+        let ty = if self.colors {
+            ScalarType::U8
+        } else {
+            level.voxels().scalar_type()
+        };
+        let array = Array {
+            grid: *level.grid(),
+            scalar_type: ty,
+            chunk: self.chunk(level.grid().dims),
+            shard: None,
+            compression: self.compression,
+            colors: self.colors,
+        };
+        array.metadata()
+    }
+}
+
+/// What an array's metadata is made of.
+pub(crate) struct Array {
+    pub grid: Grid,
+    pub scalar_type: ScalarType,
+    /// Voxels of a chunk along x, y and z.
+    pub chunk: [u32; 3],
+    /// Voxels of a shard, which are whole chunks; `None` where each chunk is a file.
+    pub shard: Option<[u32; 3]>,
+    pub compression: Compression,
+    /// Whether a slower axis has four channels.
+    pub colors: bool,
+}
+
+impl Array {
+    /// The array's `zarr.json`.
+    pub fn metadata(&self) -> Value {
+        let (grid, ty) = (&self.grid, self.scalar_type);
         let shape = |[x, y, z]: [u32; 3], channels: u32| {
             if self.colors {
                 vec![channels, z, y, x]
             } else {
                 vec![z, y, x]
             }
-        };
-        let ty = if self.colors {
-            ScalarType::U8
-        } else {
-            level.voxels().scalar_type()
         };
         let bytes = if ty.size() == 1 {
             json!({"name": "bytes"})
@@ -269,6 +304,17 @@ impl Job<'_> {
                 );
             }
         }
+        if self.shard.is_some() {
+            codecs = vec![json!({"name": "sharding_indexed", "configuration": {
+                "chunk_shape": shape(self.chunk, 1),
+                "codecs": codecs,
+                "index_codecs": [
+                    {"name": "bytes", "configuration": {"endian": "little"}}, {"name": "crc32c"},
+                ],
+                "index_location": "end",
+            }})];
+        }
+        let outer = self.shard.unwrap_or(self.chunk);
         let fill = if ty.is_float() { json!(0.0) } else { json!(0) };
         let names = if self.colors {
             json!(["c", "z", "y", "x"])
@@ -288,7 +334,7 @@ impl Job<'_> {
             "node_type": "array",
             "shape": shape(grid.dims, 4),
             "data_type": ty.name(),
-            "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": shape(self.chunk(grid.dims), 1)}},
+            "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": shape(outer, 1)}},
             "chunk_key_encoding": {"name": "default", "configuration": {"separator": "/"}},
             "fill_value": fill,
             "codecs": codecs,
@@ -296,23 +342,24 @@ impl Job<'_> {
             "attributes": attributes,
         })
     }
+}
 
-    fn pack(&self, bytes: &[u8]) -> Result<Vec<u8>, VolumeError> {
-        let packed = match self.compression {
-            Compression::None => Ok(bytes.to_vec()),
-            Compression::Gzip(level) => {
-                let level = flate2::Compression::new(level);
-                let mut out = flate2::write::GzEncoder::new(Vec::new(), level);
-                out.write_all(bytes).and_then(|()| out.finish())
-            }
-            Compression::Zstd(level) => zstd::bulk::compress(bytes, level),
-        };
-        packed.map_err(|error| failed(&error))
-    }
+/// A chunk's bytes as they are stored.
+pub(crate) fn pack(bytes: &[u8], compression: Compression) -> Result<Vec<u8>, VolumeError> {
+    let packed = match compression {
+        Compression::None => Ok(bytes.to_vec()),
+        Compression::Gzip(level) => {
+            let level = flate2::Compression::new(level);
+            let mut out = flate2::write::GzEncoder::new(Vec::new(), level);
+            out.write_all(bytes).and_then(|()| out.finish())
+        }
+        Compression::Zstd(level) => zstd::bulk::compress(bytes, level),
+    };
+    packed.map_err(|error| failed(&error))
 }
 
 /// The bytes of a chunk, zeros where it reaches out of the volume, and how many of them are inside.
-fn cut<T: Copy, const N: usize>(
+pub(crate) fn cut<T: Copy, const N: usize>(
     values: &[T],
     [nx, ny, nz]: [usize; 3],
     [x, y, z]: [usize; 3],
