@@ -14,6 +14,9 @@ use crate::input::Input;
 use crate::load::LoadOptions;
 use crate::{dicom, metaimage, nifti, npy, nrrd, raw, stack, tiff, vti};
 
+/// Files of a folder that are looked at to tell whether it holds a volume.
+const MOST_LOOKED_AT: usize = 256;
+
 /// Bytes that are looked at to recognise a format.
 const HEAD: u64 = 1024;
 
@@ -144,15 +147,25 @@ pub(crate) fn recognise(head: &Head) -> Option<&'static Format> {
     FORMATS.iter().find(|format| (format.recognises)(head))
 }
 
-/// Whether a path looks like a volume without being read: a folder, a pattern that names files, a file of a known
-/// format, or one whose name describes raw voxels.
+/// Whether a path looks like a volume without being read: a folder or a pattern of files of known
+/// formats, a Zarr folder, a file of a known format, or one whose name describes raw voxels.
 #[must_use]
 pub fn is_volume(path: &Path) -> bool {
-    if !path.is_file() {
-        return matches!(crate::series::files(path), Ok(Some(_)));
+    if crate::zarr::is_zarr(path) {
+        return true;
     }
-    let head = Input::file(path).and_then(|input| Head::of(&input));
-    head.is_ok_and(|head| recognise(&head).is_some() || raw::parse_raw_name(&head.name).is_ok())
+    let is_one = |path: &Path| {
+        let head = Input::file(path).and_then(|input| Head::of(&input));
+        head.is_ok_and(|head| recognise(&head).is_some() || raw::parse_raw_name(&head.name).is_ok())
+    };
+    if path.is_file() {
+        return is_one(path);
+    }
+    let files = crate::series::files(path);
+    files.is_ok_and(|files| {
+        let files = files.unwrap_or_default();
+        files.iter().take(MOST_LOOKED_AT).any(|file| is_one(file))
+    })
 }
 
 /// Opens one file.

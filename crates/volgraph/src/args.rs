@@ -26,7 +26,7 @@ pub use each::EachSceneArgs;
 pub use live::{ViewArgs, WatchArgs};
 pub use ray::RayArgs;
 pub use verify::{STOCK, VerifyArgs};
-pub use volumes::{ConvertArgs, DistanceFieldArgs, InfoArgs, InsideName, WriteArgs};
+pub use volumes::{ConvertArgs, DistanceFieldArgs, InfoArgs, InsideName, PyramidArgs, WriteArgs};
 
 use self::words::{parse_bound, parse_camera, parse_size, parse_slot, parse_volume};
 
@@ -86,6 +86,11 @@ pub enum Command {
     /// Placement, and what the file says of units and labels, go along where the format can say it; what it cannot is a
     /// warning. An interrupt leaves no half-written file.
     Convert(ConvertArgs),
+    /// Build the coarser levels of a volume that is larger than memory, and tell how far each is from the finest.
+    ///
+    /// Voxels are read where they lie, in bounded memory. Each brick of each level is known by its range and by its exact
+    /// error against the finest level. An interrupt leaves nothing half-built.
+    Pyramid(PyramidArgs),
     /// Make a volume of a mesh: the signed distance to its surface, for isosurfaces, glass and clip volumes.
     ///
     /// What is wrong with the mesh (holes, faces that look the other way) is told first.

@@ -19,6 +19,7 @@ mod link;
 mod new;
 mod nodes;
 mod plan;
+mod pyramid;
 mod ray;
 mod reference;
 mod render;
@@ -60,6 +61,7 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Check(args) => check::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Convert(args) => convert::run(&args),
+        Command::Pyramid(args) => pyramid::run(&args),
         Command::DistanceField(args) => distance_field::run(&args),
         Command::Link(args) => link::run(&args),
         Command::Compare(args) => compare::run(&args),

@@ -95,7 +95,7 @@ impl BrickStore {
                     "has no pyramid of levels: {} is not there",
                     pyramid.display()
                 ),
-                "build its pyramid first",
+                "build its pyramid first (`volgraph pyramid`)",
             ))
             .in_file(path));
         }

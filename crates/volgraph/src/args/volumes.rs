@@ -121,6 +121,35 @@ pub struct ConvertArgs {
     pub write: WriteArgs,
 }
 
+/// `volgraph pyramid`.
+#[derive(ClapArgs, Debug)]
+pub struct PyramidArgs {
+    /// The volume: raw voxels, or uncompressed NRRD, MetaImage, NIfTI or NumPy with one value per voxel, or a Zarr folder.
+    #[command(flatten)]
+    pub volume: VolumeArgs,
+    /// The folder of the pyramid; by default NAME.pyramid.zarr beside the volume, where it is looked for.
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+    /// Most memory in MiB.
+    #[arg(long, value_name = "MIB", default_value = "512", value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
+    pub memory: u64,
+    /// Voxels along each edge of a brick: a power of two.
+    #[arg(long, value_name = "N", default_value = "32")]
+    pub edge: u32,
+    /// Chunks along each edge of a shard, for file systems that dislike many files.
+    #[arg(long, value_name = "N")]
+    pub shard: Option<u32>,
+    /// Copy the finest level as well, so that the pyramid does without its source.
+    #[arg(long)]
+    pub copy: bool,
+    /// Replace a pyramid that is there.
+    #[arg(long)]
+    pub force: bool,
+    /// Print what was built as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// `volgraph distance-field`.
 #[derive(ClapArgs, Debug)]
 pub struct DistanceFieldArgs {

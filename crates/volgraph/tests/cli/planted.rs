@@ -200,7 +200,7 @@ imported by shaders/slot/technique/dvr.wgsl:7, imported by shaders/node/raycast.
         [
             (B, 3, "imported here"),
             (A, 2, "imported here"),
-            ("shaders/slot/technique/dvr.wgsl", 6, "imported here"),
+            ("shaders/slot/technique/dvr.wgsl", 7, "imported here"),
             ("shaders/node/raycast.wgsl", 10, "imported here"),
         ]
     );

@@ -158,11 +158,11 @@ pub const PLANTED: [Planted; 30] = [
     },
     Planted {
         what: "unknown uniform member",
-        file: "shaders/lib/placement.wgsl",
-        find: "struct Volume {",
-        with: "struct Volume {\n    temperature: f32,",
+        file: "shaders/lib/proxy.wgsl",
+        find: "struct Tile {",
+        with: "struct Tile {\n    temperature: f32,",
         code: "uniform",
-        needle: "volume: Volume;",
+        needle: "tile: Tile;",
         ..PLAIN
     },
     Planted {
