@@ -13,6 +13,7 @@ use std::sync::{Arc, LazyLock};
 use include_dir::{Dir, include_dir};
 use indexmap::IndexMap;
 use naga::valid::Capabilities;
+use volgraph_formats::{LoadOptions, from_bytes, metaimage as meta, nrrd as near, parse_raw_name};
 use volgraph_graph::demand::ShaderLibrary;
 use volgraph_graph::{
     Folders, GraphDesc, Limits, Plan, PlanRequest, Registry, Source, View, read, resolve, sources,
@@ -22,7 +23,6 @@ use volgraph_report::{Findings, excerpt};
 use volgraph_shader::{
     GuardRequest, LinkRequest, MemoryFiles, Module, ShaderRoots, check, guard, link,
 };
-use volgraph_formats::{LoadOptions, from_bytes, metaimage as meta, nrrd as near, parse_raw_name};
 use volgraph_volume::Component;
 
 static SHADERS: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/../shaders");

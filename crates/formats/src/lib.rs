@@ -1,7 +1,7 @@
 //! Volumes in files: readers, series, writers.
 //!
 //! The way of the data: [`VolumeReader::open`] takes a file, a folder or a glob, looks at the first bytes of each
-//! file and picks one row of the table of formats (`format`). Its module reads the header into [`contents`]
+//! file and picks one row of the table of formats (`format`). Its module reads the header into `contents`
 //! (plain values: axes, placement, units), checks them against the file's true length and leaves a `Data`, the way to
 //! the voxels. [`VolumeReader::read`] then takes one time step: the voxels of all components come in, growing with
 //! what the file really holds, and `pick` makes one scalar per voxel of them. [`load`] is both at once.
