@@ -112,7 +112,7 @@ pub const COMPARISONS: &[&str] = &["difference", "error"];
 pub const SOFTWARE: &[&str] = &["shear_warp", "software"];
 
 /// Emission and absorption by other renderers than the raycast, and the limit that it is measured against.
-pub const RENDERERS: &[&str] = &["fetch_only", "multipass", "slices"];
+pub const RENDERERS: &[&str] = &["fetch_only", "multipass", "multivolume", "slices"];
 
 #[cfg(test)]
 mod tests {

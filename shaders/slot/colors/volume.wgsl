@@ -4,7 +4,7 @@
 #import "lib/classified.wgsl"
 #import "lib/volume_texture.wgsl"
 
-@group(1) @binding(30) var color_volume: texture_3d<f32>;
+@group(1) @binding(3) var color_volume: texture_3d<f32>;
 
 fn colors_segment(classified: Classified, ray: Ray, segment: Segment) -> Classified {
     let color = textureSampleLevel(color_volume, linear_sampler, segment_centre(ray, segment), 0.0).xyz;

@@ -1,6 +1,6 @@
 //! `volume(path: "engine_256x256x128_uint8.raw.gz")`: a volume from a file, a folder or a glob.
 //!
-//! The kind remembers the time series that it has opened ([`Series`]), so that a step that was read ahead is there at
+//! The kind remembers the time series that it has opened (`Series`), so that a step that was read ahead is there at
 //! once.
 
 use std::any::Any;

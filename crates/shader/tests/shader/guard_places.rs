@@ -287,5 +287,5 @@ fn volgraphs_own_shaders_can_be_guarded() {
     has(&loops, "node/raycast.wgsl");
     has(&loops, "slot/gradient_method/sobel.wgsl");
     has(&loads, "slot/behind/texture.wgsl");
-    has(&loads, "slot/volume_filter/loads.wgsl");
+    has(&loads, "slot/volumes/one.wgsl");
 }

@@ -269,6 +269,8 @@ fn one_mistake_in_a_real_shader_is_one_finding() {
         ("heed", "all"),
         ("clip_volume_filter", "loads"),
         ("transfer_tables", "one"),
+        ("volumes", "one"),
+        ("colors", "transfer"),
         ("transfer_reach", "within"),
         ("beyond", "none"),
         ("pattern", "uniform"),
