@@ -233,7 +233,7 @@ pub(crate) fn key(plan: &Plan, id: NodeId, pass: &Pass) -> Option<PipelineKey> {
             constants,
             ..
         } => (vec![*vertex, *fragment], constants),
-        Pass::Upload { .. } => return None,
+        Pass::Upload { .. } | Pass::Tiles { .. } => return None,
     };
     Some(PipelineKey {
         module: program.module.linked.digest,
@@ -253,7 +253,7 @@ fn may_crash(pass: &Pass) -> bool {
     match pass {
         Pass::Compute { .. } | Pass::ComputeIndirect { .. } => true,
         Pass::Draw { targets, .. } => !targets.is_empty(),
-        Pass::Upload { .. } => false,
+        Pass::Upload { .. } | Pass::Tiles { .. } => false,
     }
 }
 

@@ -1,10 +1,11 @@
 //! Memory on the device. A plan asks for resources; what is held already with the content that one of them needs is
 //! shared, and everything else is made anew, so that the plan before keeps what it has until the new one is proven.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use serde::Serialize;
-use volgraph_graph::{Digest, ResourceKind};
+use volgraph_graph::{Digest, Extent, ResourceKind, TileTag};
 use wgpu::{
     Buffer, BufferDescriptor, BufferUsages, Device, Extent3d, Texture, TextureDescriptor,
     TextureDimension, TextureUsages, TextureView,
@@ -17,6 +18,8 @@ pub struct Written {
     pub is_storage: bool,
     /// Whether draw passes draw into it.
     pub is_target: bool,
+    /// Whether it is filled in tiles. Who looks at it sees to it that it has his own first.
+    pub is_tiled: bool,
 }
 
 /// A resource on the device; clones share it.
@@ -26,9 +29,17 @@ pub struct Held {
     pub resource: ResourceKind,
     /// How it is written. Part of its identity.
     pub written: Written,
-    /// The fingerprint of what it holds: (writer's fingerprint, output port).
-    pub content: Option<(Digest, String)>,
+    content: Arc<Mutex<Content>>,
     pub(crate) object: Object,
+}
+
+/// What a resource holds.
+#[derive(Clone, Debug, Default)]
+struct Content {
+    /// The fingerprint of all of it: (writer's fingerprint, output port).
+    whole: Option<(Digest, String)>,
+    /// Of what is filled in tiles, which ones it has, by where they start.
+    tiles: BTreeMap<Extent, TileTag>,
 }
 
 #[derive(Clone, Debug)]
@@ -38,6 +49,42 @@ pub(crate) enum Object {
 }
 
 impl Held {
+    /// The fingerprint of what it holds: (writer's fingerprint, output port).
+    #[must_use]
+    pub fn content(&self) -> Option<(Digest, String)> {
+        self.with_content(|content| content.whole.clone())
+    }
+
+    /// Takes note of what it holds now.
+    pub(crate) fn set_content(&mut self, whole: Option<(Digest, String)>) {
+        if self.written.is_tiled {
+            self.with_content(|content| content.whole = whole);
+            return;
+        }
+        // A clone that another installation relies on holds what it held.
+        self.content = Arc::new(Mutex::new(Content {
+            whole,
+            tiles: BTreeMap::new(),
+        }));
+    }
+
+    /// Whether a tile that starts here is there.
+    pub(crate) fn has_tile(&self, origin: Extent, tag: TileTag) -> bool {
+        self.with_content(|content| content.tiles.get(&origin) == Some(&tag))
+    }
+
+    /// Takes note of a tile that is written; `None` before it is.
+    pub(crate) fn set_tile(&self, origin: Extent, tag: Option<TileTag>) {
+        self.with_content(|content| match tag {
+            Some(tag) => content.tiles.insert(origin, tag),
+            None => content.tiles.remove(&origin),
+        });
+    }
+
+    fn with_content<T>(&self, what: impl FnOnce(&mut Content) -> T) -> T {
+        what(&mut self.content.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
     pub(crate) fn texture(&self) -> Option<&Texture> {
         match &self.object {
             Object::Texture { texture, .. } => Some(texture),
@@ -91,21 +138,34 @@ pub type Offer = (ResourceKind, Written, Option<(Digest, String)>);
 
 /// Which held resource each wish shares, if any: one of the same kind and use that holds what the wish's only user
 /// would write. Nothing else is shared, so that what is held stays as it is while the plan with the wishes is tried:
-/// a node whose result is there already does not run.
+/// a node whose result is there already does not run. Only what is filled in tiles goes on whatever it holds, best with
+/// what is wished, each to one wish.
 #[must_use]
 pub fn shared(held: &[Offer], wishes: &[Wish]) -> Vec<Option<usize>> {
-    let fits = |wish: &Wish, (resource, written, content): &Offer| {
-        *resource == wish.resource
-            && *written == wish.written
-            && wish.contents.len() == 1
+    let holds = |wish: &Wish, content: &Option<(Digest, String)>| {
+        wish.contents.len() == 1
             && content
                 .as_ref()
                 .is_some_and(|content| wish.contents.contains(content))
     };
-    wishes
-        .iter()
-        .map(|wish| held.iter().position(|offer| fits(wish, offer)))
-        .collect()
+    let fits = |wish: &Wish, (resource, written, _): &Offer| {
+        *resource == wish.resource && *written == wish.written
+    };
+    let mut gone = BTreeSet::new();
+    let mut taken = Vec::with_capacity(wishes.len());
+    for wish in wishes {
+        let mut offers = (0..held.len()).filter(|at| fits(wish, &held[*at]));
+        let at = if wish.written.is_tiled {
+            let free: Vec<usize> = offers.filter(|at| !gone.contains(at)).collect();
+            let best = free.iter().find(|at| holds(wish, &held[**at].2));
+            best.or(free.first()).copied()
+        } else {
+            offers.find(|at| holds(wish, &held[*at].2))
+        };
+        gone.extend(at.filter(|_| wish.written.is_tiled));
+        taken.push(at);
+    }
+    taken
 }
 
 pub(crate) fn make(device: &Device, resource: ResourceKind, written: Written) -> Held {
@@ -158,7 +218,7 @@ pub(crate) fn make(device: &Device, resource: ResourceKind, written: Written) ->
     Held {
         resource,
         written,
-        content: None,
+        content: Arc::default(),
         object,
     }
 }
@@ -182,7 +242,7 @@ mod tests {
         let content = content.map(|content| ([content; 32], "out".to_owned()));
         let written = Written {
             is_storage,
-            is_target: false,
+            ..Written::default()
         };
         (ResourceKind::Buffer { bytes }, written, content)
     }
@@ -210,6 +270,28 @@ mod tests {
         assert_eq!(shared(&[offer(8, false, Some(1))], &[twice]), [None]);
         let empty = offer(8, false, None);
         assert_eq!(shared(&[empty], &[wish(8, Some(1))]), [None]);
+    }
+
+    #[test]
+    fn what_is_filled_in_tiles_goes_on_with_one_wish_each() {
+        let tiled = |offer: Offer| {
+            let written = Written {
+                is_tiled: true,
+                ..offer.1
+            };
+            (offer.0, written, offer.2)
+        };
+        let held = [
+            tiled(offer(8, false, Some(1))),
+            tiled(offer(8, false, Some(2))),
+            offer(8, false, Some(3)),
+        ];
+        let wishes = [2, 3, 4].map(|content| {
+            let mut wish = wish(8, Some(content));
+            wish.written.is_tiled = true;
+            wish
+        });
+        assert_eq!(shared(&held, &wishes), [Some(1), Some(0), None]);
     }
 
     #[test]

@@ -285,6 +285,8 @@ fn dimension(ty: PortType) -> Option<TextureDim> {
         | PortType::BrickRanges
         | PortType::BrickDetails
         | PortType::VolumeTexture
+        | PortType::BrickPool
+        | PortType::PageTable
         | PortType::ColorVolume
         | PortType::GradientTexture
         | PortType::LabelTexture => Some(TextureDim::D3),

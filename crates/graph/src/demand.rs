@@ -55,6 +55,9 @@ pub fn demand(
             }
         }
         let Some(spec) = kind.program(&NodeContext::new(&graph, id, limits)) else {
+            if call::settle(&mut graph, id, &mut made) {
+                continue;
+            }
             // Without a shader nothing is bound.
             let used = |_: &str| false;
             call_for(&mut graph, id, registry, &mut made, used, &mut findings);
@@ -260,6 +263,8 @@ fn is_texture(ty: crate::PortType) -> bool {
             | P::Pieces
             | P::Table3d
             | P::VolumeTexture
+            | P::BrickPool
+            | P::PageTable
             | P::ColorVolume
             | P::GradientTexture
             | P::LabelTexture
@@ -298,7 +303,7 @@ fn fulfil(
     };
     let kind = registry.node(called).ok_or_else(unknown)?;
     let call = Call::new(port.requirement, by, Some(kind.as_ref())).ok_or_else(unknown)?;
-    let port = port.name;
+    let (port, ty) = (port.name, port.ty);
     let mut inputs = BTreeMap::new();
     for (theirs, mine) in &call.inputs {
         let Some(link) = by.inputs.get(mine) else {
@@ -377,9 +382,11 @@ fn fulfil(
         program: None,
     };
     node.fill_params(&kind.params());
-    let output = node
-        .output_types()
-        .first()
+    let outputs = node.output_types();
+    let output = outputs
+        .iter()
+        .find(|(_, output)| *output == ty)
+        .or(outputs.first())
         .map(|(name, _)| (*name).to_owned())
         .unwrap_or_default();
     let link = |node| Link {

@@ -93,6 +93,10 @@ pub fn fingerprints(
                 if reads("camera") || kind.passes_follow_camera() {
                     part(format!("{:?} {origin:?}", view.camera).as_bytes());
                 }
+                // What cannot be said here, recording says.
+                if let Ok(Some(state)) = kind.state(&NodeContext::in_view(graph, id, limits, view)) {
+                    part(&state.token.to_le_bytes());
+                }
                 for (port, link) in &node.inputs {
                     part(port.as_bytes());
                     part(link.port.as_bytes());

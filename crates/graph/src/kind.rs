@@ -13,7 +13,7 @@ use volgraph_shader::{ParamSpec, ParamValue, UniformValue};
 
 use crate::desc::ParamDesc;
 use crate::node_context::NodeContext;
-use crate::{Pass, ResourceDesc};
+use crate::{Pass, ResourceDesc, State};
 
 /// What an edge carries. Two ports connect where their types are equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -45,6 +45,10 @@ pub enum PortType {
     Table3d,
     /// A 3D texture of scalars.
     VolumeTexture,
+    /// A 3D texture of bricks of scalars, side by side.
+    BrickPool,
+    /// A 3D texture that says of each brick which one of a pool has its scalars.
+    PageTable,
     /// A 3D texture of colours.
     ColorVolume,
     /// A 3D texture of gradients.
@@ -85,6 +89,8 @@ impl fmt::Display for PortType {
             Self::Pieces => "pieces",
             Self::Table3d => "table_3d",
             Self::VolumeTexture => "volume_texture",
+            Self::BrickPool => "brick_pool",
+            Self::PageTable => "page_table",
             Self::ColorVolume => "color_volume",
             Self::GradientTexture => "gradient_texture",
             Self::LabelTexture => "label_texture",
@@ -258,6 +264,21 @@ pub trait NodeKind: Send + Sync {
     fn depends_on(&self, port: &str, node: &NodeContext<'_>) -> Option<Vec<u8>> {
         let _ = (port, node);
         None
+    }
+
+    /// What its result in a view depends on beside parameters and inputs: what has been read until now of something larger
+    /// than memory, say. Asking may take it further.
+    ///
+    /// # Errors
+    /// What is wrong with the inputs.
+    fn state(&self, node: &NodeContext<'_>) -> Result<Option<State>, Finding> {
+        let _ = node;
+        Ok(None)
+    }
+
+    /// The output ports whose textures it fills in tiles ([`crate::Pass::Tiles`]).
+    fn tiled(&self) -> &[&'static str] {
+        &[]
     }
 
     /// The default of a parameter that its shader declares, where it is another than the shader's because of what the node

@@ -38,6 +38,7 @@ mod resource;
 pub mod size;
 mod source;
 pub mod sources;
+mod tiles;
 mod upload;
 
 pub use camera::{Camera, CameraDesc, Lens, Pose, Projection, View, Window};
@@ -58,4 +59,5 @@ pub use quality::{Budget, QualityDesc};
 pub use registry::Registry;
 pub use resource::{Extent, ResourceDesc, ResourceKind, Size};
 pub use source::{EMBEDDED_GRAPHS, Folders, Progress, Source, SourceKind, is_embedded, is_there};
+pub use tiles::{Progress as StateProgress, State, TileTag, Tiles};
 pub use upload::{FillLayers, Piece, Pieces, UploadBytes};

@@ -60,7 +60,10 @@ pub fn lifetime(
     let mut assigned = BTreeMap::new();
     for (at, &id) in order.iter().enumerate() {
         for ((_, port), resource) in resources.range((id, String::new())..(id + 1, String::new())) {
-            let is_transient = following.contains(&id);
+            let is_tiled = graph.nodes[id]
+                .kind()
+                .is_some_and(|kind| kind.tiled().contains(&port.as_str()));
+            let is_transient = following.contains(&id) && !is_tiled;
             let until = last_read.get(&(id, port.as_str())).copied().unwrap_or(at);
             let free = (0..allocations.len()).find(|&a| {
                 is_transient

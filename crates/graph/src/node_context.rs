@@ -38,6 +38,21 @@ impl<'g> NodeContext<'g> {
         }
     }
 
+    pub(crate) fn in_view(
+        graph: &'g Graph,
+        id: NodeId,
+        limits: &'g Limits,
+        view: &'g View,
+    ) -> Self {
+        Self {
+            frame: Some(FrameContext {
+                view,
+                variant: None,
+            }),
+            ..Self::new(graph, id, limits)
+        }
+    }
+
     fn node(&self) -> &'g crate::Node {
         &self.graph.nodes[self.id]
     }

@@ -1,5 +1,6 @@
 //! What a node wants done in one frame, as data. One crate (`gpu`) turns it into wgpu calls.
 
+use crate::tiles::Tiles;
 use crate::upload::UploadBytes;
 
 /// One thing to do. Bindings are not listed: the runner reads from the linked shader which bindings the entry
@@ -12,6 +13,13 @@ pub enum Pass {
         port: &'static str,
         /// The texels, x fastest, without row padding.
         bytes: UploadBytes,
+    },
+    /// Sees to it that the texture at an output port, one of [`crate::NodeKind::tiled`], has these tiles.
+    Tiles {
+        /// Output port.
+        port: &'static str,
+        /// What it is to have.
+        tiles: Tiles,
     },
     /// Runs a compute entry point.
     Compute {

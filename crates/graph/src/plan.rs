@@ -32,6 +32,7 @@ use crate::resolve::resolve;
 use crate::resource::ResourceKind;
 use crate::size::{Resources, size};
 use crate::source::Source;
+use crate::tiles::State;
 
 /// All that a plan is made of.
 #[derive(Clone, Copy)]
@@ -209,6 +210,14 @@ impl Plan {
             &self.limits,
             view,
         )
+    }
+
+    /// How a node is whose result is made from frame to frame; `None` for all others.
+    #[must_use]
+    pub fn state(&self, id: NodeId, view: &View) -> Option<State> {
+        let kind = self.graph.nodes[id].kind()?;
+        // What is wrong, recording says.
+        kind.state(&self.context(id, view, None)).ok().flatten()
     }
 
     /// A node as its kind sees it, in a frame.

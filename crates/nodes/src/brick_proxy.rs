@@ -15,7 +15,7 @@ use volgraph_report::Finding;
 use volgraph_shader::ParamSpec;
 
 use crate::distance_map::absorbing;
-use crate::placement::{encoding, volume};
+use crate::placement::{encoding, placed, volume};
 use crate::proxy_box;
 use crate::source::volume::VolumeSource;
 use crate::volume_texture::storage_param;
@@ -101,7 +101,7 @@ pub(crate) fn covered(node: &NodeContext<'_>) -> Result<Option<[DVec3; 2]>, Find
     match bricks(node) {
         Some(proxy) => seen(&proxy),
         None => {
-            let (low, high) = volume(node, "volume")?.grid().box_index();
+            let (low, high) = placed(node, "volume")?.grid().box_index();
             Ok(Some([low, high]))
         }
     }

@@ -16,7 +16,7 @@ use volgraph_volume::brick_dims;
 use wgpu_types::TextureFormat;
 
 use crate::encoding::Encoding;
-use crate::placement::{vec3, volume};
+use crate::placement::{placed, vec3, volume};
 use crate::source::volume::VolumeSource;
 use crate::volume_texture::storage_param;
 
@@ -90,12 +90,18 @@ fn columns([x, y, z]: [u32; 3]) -> u32 {
     columns
 }
 
+/// Voxels along the edge of the bricks of a node's volume: those that it is read in, or as `brick_size` says.
+fn edge(node: &NodeContext<'_>) -> Result<u32, Finding> {
+    let edge = placed(node, "volume")?.brick_edge;
+    Ok(edge.unwrap_or_else(|| node.uint("brick_size")))
+}
+
 /// The bricks of the volume of a node with the parameter `brick_size`, and the size of a map of them.
 ///
 /// # Errors
 /// `missing-input`.
 pub(crate) fn map_size(node: &NodeContext<'_>) -> Result<([u32; 3], [u32; 3]), Finding> {
-    let dims = brick_dims(volume(node, "volume")?.grid().dims, node.uint("brick_size"));
+    let dims = brick_dims(placed(node, "volume")?.grid().dims, edge(node)?);
     let columns = columns(dims);
     let size = [
         dims[0].saturating_mul(columns),
@@ -111,8 +117,8 @@ pub(crate) fn map_size(node: &NodeContext<'_>) -> Result<([u32; 3], [u32; 3]), F
 /// `missing-input`.
 pub(crate) fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     let (dims, map) = map_size(node)?;
-    let size = node.uint("brick_size").max(1);
-    let voxels = volume(node, "volume")?.grid().dims;
+    let size = edge(node)?.max(1);
+    let voxels = placed(node, "volume")?.grid().dims;
     let whole = |n: u32| i32::try_from(n).unwrap_or(i32::MAX);
     Ok(vec![
         ("dims", UniformValue::IVec3(dims.map(whole))),

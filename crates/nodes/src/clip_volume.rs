@@ -37,7 +37,7 @@ pub(crate) fn check_steps(node: &NodeContext<'_>) -> Result<(), Finding> {
             index_from_world.z_axis,
         ];
         let most = axes.iter().map(|axis| axis.length()).fold(0.0, f64::max);
-        longest_ray(placement::volume(node, "volume")?.grid()) * most
+        longest_ray(placement::placed(node, "volume")?.grid()) * most
     };
     let steps = (voxels / node.float("clip_step")).ceil();
     if steps > MAX_SEGMENTS {

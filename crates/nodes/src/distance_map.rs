@@ -87,7 +87,7 @@ const SPANS: usize = 64;
 
 /// The scalars that any of a node's transfer functions makes absorb, as shaders count them: open intervals.
 pub(crate) fn absorbing(node: &NodeContext<'_>) -> Result<Vec<(f64, f64)>, Finding> {
-    let volume = placement::volume(node, "volume")?;
+    let volume = placement::placed(node, "volume")?;
     let reference = placement::encoding(node)?.reference;
     let mut all = Vec::new();
     for transfer in transfers(node)? {

@@ -9,10 +9,36 @@ mod encoder;
 
 use half::f16;
 use volgraph_graph::Limits;
-use volgraph_volume::{ScalarType, Volume};
+use volgraph_volume::{ScalarType, Volume, drawn};
 use wgpu_types::TextureFormat;
 
 pub use encoder::Encoder;
+
+/// What is known of a volume's scalars, wherever its voxels are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scalars {
+    /// Their type.
+    pub ty: ScalarType,
+    /// The smallest and the largest finite one; `None` where none is finite.
+    pub range: Option<(f64, f64)>,
+}
+
+impl Scalars {
+    /// What is drawn for a voxel's value, as [`Volume::drawn`] says.
+    #[must_use]
+    pub fn drawn(&self, value: f64) -> f64 {
+        drawn(value, self.range)
+    }
+}
+
+impl From<&Volume> for Scalars {
+    fn from(volume: &Volume) -> Self {
+        Self {
+            ty: volume.voxels().scalar_type(),
+            range: volume.statistics().range(),
+        }
+    }
+}
 
 /// How a volume's scalars are stored in a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,10 +60,11 @@ pub struct Encoding {
 impl Encoding {
     /// The encoding for a storage choice: `auto`, `r8unorm`, `r16float` or `r32float`.
     #[must_use]
-    pub fn choose(volume: &Volume, storage: &str) -> Self {
-        let (lo, hi) = volume.statistics().range().unwrap_or((0.0, 0.0));
+    pub fn choose(scalars: impl Into<Scalars>, storage: &str) -> Self {
+        let scalars = scalars.into();
+        let (lo, hi) = scalars.range.unwrap_or((0.0, 0.0));
         let span = hi - lo;
-        let is_whole = !volume.voxels().scalar_type().is_float();
+        let is_whole = !scalars.ty.is_float();
         let half_is_exact = is_whole && span <= 4096.0;
         let format = match storage {
             "r8unorm" => TextureFormat::R8Unorm,
@@ -70,7 +97,7 @@ impl Encoding {
                     (0.5 * unit_span, 0.5 * (lo + hi), span / 8192.0)
                 }
             }
-            _ => match volume.voxels().scalar_type() {
+            _ => match scalars.ty {
                 ScalarType::F32
                 | ScalarType::U8
                 | ScalarType::I8
@@ -152,7 +179,7 @@ mod tests {
     fn encoded(encoding: &Encoding, volume: &Volume) -> Vec<u8> {
         let count = volume.voxels().len();
         let mut bytes = vec![0; count * encoding.texel_len()];
-        Encoder::new(*encoding, volume).fill(volume, 0..count, &mut bytes);
+        Encoder::new(*encoding, volume).fill(volume.voxels(), 0..count, &mut bytes);
         bytes
     }
 

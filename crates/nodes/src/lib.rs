@@ -6,6 +6,7 @@
 
 pub mod background;
 pub mod brick_details;
+pub mod brick_pool;
 pub mod brick_proxy;
 pub mod brick_ranges;
 pub(crate) mod clip_volume;
@@ -45,6 +46,8 @@ pub mod volume_texture;
 
 use volgraph_graph::Registry;
 
+use crate::source::bricks::Progressive;
+
 /// Whether nodes of this kind draw a volume with the slots and parameters of a raycast, or some of them: so that the
 /// reference computes what their pictures should be.
 #[must_use]
@@ -55,9 +58,16 @@ pub fn draws_volumes(kind: &str) -> bool {
 /// All of volgraph's own kinds.
 #[must_use]
 pub fn registry() -> Registry {
+    progressive_registry(Progressive::default())
+}
+
+/// The same, where somebody says how volumes in bricks are drawn.
+#[must_use]
+pub fn progressive_registry(progressive: Progressive) -> Registry {
     let mut registry = Registry::new();
     registry
         .add_source(source::volume::VolumeKind::default())
+        .add_source(source::bricks::BricksKind { progressive })
         .add_source(source::analytic::AnalyticKind)
         .add_source(source::transfer::TransferKind)
         .add_source(source::image::ImageKind)
@@ -71,6 +81,7 @@ pub fn registry() -> Registry {
         .add_node(multipass_raycast::MultipassRaycast)
         .add_node(multivolume_raycast::MultivolumeRaycast)
         .add_node(brick_ranges::BrickRanges)
+        .add_node(brick_pool::BrickPool)
         .add_node(distance_map::DistanceMap)
         .add_node(brick_details::BrickDetails)
         .add_node(stride_map::StrideMap)

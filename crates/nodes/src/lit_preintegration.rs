@@ -13,7 +13,7 @@ use volgraph_shader::{ParamSpec, UniformValue};
 use wgpu_types::TextureFormat;
 
 use crate::material_table::{default_material, default_params};
-use crate::placement::{f32_value, volume};
+use crate::placement::{f32_value, placed};
 use crate::preintegration::{self, segment_references, size_param, step_param};
 use crate::raycast::table_range;
 use crate::transfer_table::transfer;
@@ -172,7 +172,7 @@ impl NodeKind for LitPreintegration {
 pub(crate) fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     let transfer = transfer(node, "transfer")?;
     let (low, span) = table_range(node, &transfer)?;
-    let voxel = volume(node, "volume")?.grid().min_spacing();
+    let voxel = placed(node, "volume")?.grid().min_spacing();
     let last = |port: &str, param: &str| {
         let writer = node.writer(port)?;
         Some(f64::from(writer.uint(param).max(2) - 1))

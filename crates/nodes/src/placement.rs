@@ -8,21 +8,77 @@ use volgraph_report::Finding;
 use volgraph_shader::UniformValue;
 use volgraph_volume::{Grid, Volume};
 
-use crate::encoding::Encoding;
+use crate::encoding::{Encoding, Scalars};
+use crate::source::bricks::BricksSource;
 use crate::source::volume::VolumeSource;
 
-/// The volume at a node's input port.
+/// What is known of a volume wherever its voxels are, in memory or in bricks that are read when they are needed.
+#[derive(Clone, Copy, Debug)]
+pub struct Placed {
+    grid: Grid,
+    scalars: Scalars,
+    /// Voxels along the edge of its bricks, where it is in bricks.
+    pub brick_edge: Option<u32>,
+}
+
+impl Placed {
+    /// Its voxels' places; of bricks, those of the finest level.
+    #[must_use]
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+}
+
+impl From<Placed> for Scalars {
+    fn from(placed: Placed) -> Self {
+        placed.scalars
+    }
+}
+
+impl From<&Placed> for Scalars {
+    fn from(placed: &Placed) -> Self {
+        placed.scalars
+    }
+}
+
+/// What is known of the volume at a node's input port, whole or in bricks.
 ///
 /// # Errors
 /// `missing-input` where there is none.
+pub fn placed(node: &NodeContext<'_>, port: &str) -> Result<Placed, Finding> {
+    if let Some(source) = node.source::<BricksSource>(port) {
+        return Ok(Placed {
+            grid: source.store.levels()[0].grid,
+            scalars: source.scalars(),
+            brick_edge: Some(source.store.edge()),
+        });
+    }
+    let volume = volume(node, port)?;
+    Ok(Placed {
+        grid: *volume.grid(),
+        scalars: volume.into(),
+        brick_edge: None,
+    })
+}
+
+/// The volume at a node's input port, whole in memory.
+///
+/// # Errors
+/// `missing-input` where there is none; `in-bricks` where it is in bricks.
 pub fn volume<'g>(node: &NodeContext<'g>, port: &str) -> Result<&'g Volume, Finding> {
     node.source::<VolumeSource>(port)
         .map(|source| source.volume.as_ref())
-        .ok_or_else(|| {
-            node.error(
+        .ok_or_else(|| match node.source::<BricksSource>(port) {
+            Some(_) => node
+                .error(
+                    "in-bricks",
+                    format!("its input `{port}` is a volume in bricks, and it reads volumes that are whole in memory"),
+                )
+                .help("draw it with a `raycast` whose gradients are `central`, without labels, or read one of its levels whole: `volume(path: \"…\", level: 2)`"),
+            None => node.error(
                 "missing-input",
                 format!("its input `{port}` is not a volume"),
-            )
+            ),
         })
 }
 
@@ -48,7 +104,7 @@ pub(crate) fn encoding_at(node: &NodeContext<'_>, port: &str) -> Result<Encoding
         || node.text(&format!("{port}_storage")),
         |writer| writer.text("volume_storage"),
     );
-    let encoding = Encoding::choose(volume(node, port)?, storage);
+    let encoding = Encoding::choose(placed(node, port)?, storage);
     let span = encoding.range.1 - encoding.range.0;
     // Shaders compute in f32, where such values are infinite or 0.
     if span > 1e30 || (span > 0.0 && span < 1e-30) {
@@ -67,7 +123,7 @@ pub(crate) fn encoding_at(node: &NodeContext<'_>, port: &str) -> Result<Encoding
 /// The slots that decide how texels are read, for programs that import `lib/volume.wgsl`: (slot, choice).
 #[must_use]
 pub fn texel_slots(node: &NodeContext<'_>) -> [(String, String); 3] {
-    let texel = if node.limits().shared_samplers {
+    let texel = if node.limits().shared_samplers && !is_in_bricks(node) {
         "nearest"
     } else {
         "load"
@@ -75,8 +131,18 @@ pub fn texel_slots(node: &NodeContext<'_>) -> [(String, String); 3] {
     [
         filter_slot_at(node, "volume"),
         ("volume_texel".to_owned(), texel.to_owned()),
-        ("volumes".to_owned(), "one".to_owned()),
+        ("volumes".to_owned(), volumes_choice(node).to_owned()),
     ]
+}
+
+/// Whether a node's volume is in bricks.
+#[must_use]
+pub fn is_in_bricks(node: &NodeContext<'_>) -> bool {
+    node.source::<BricksSource>("volume").is_some()
+}
+
+fn volumes_choice(node: &NodeContext<'_>) -> &'static str {
+    if is_in_bricks(node) { "paged" } else { "one" }
 }
 
 /// The slot `<port>_filter`, which decides how texels of the volume at a port are filtered.
@@ -101,7 +167,8 @@ pub fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
 /// # Errors
 /// `missing-input` where there is no volume.
 pub fn uniform_at(node: &NodeContext<'_>, port: &str) -> Result<Uniform, Finding> {
-    let grid = volume(node, port)?.grid();
+    let placed = placed(node, port)?;
+    let grid = placed.grid();
     let encoding = encoding_at(node, port)?;
     // Shaders count world positions from the scene's origin.
     let texture_from_world = texture_from_world(grid) * DAffine3::from_translation(node.origin());
@@ -117,7 +184,7 @@ pub fn uniform_at(node: &NodeContext<'_>, port: &str) -> Result<Uniform, Finding
     // Gradients are covectors: they map by the inverse transpose.
     let world_from_index_gradient: DMat3 = grid.world_from_index.matrix3.inverse().transpose();
     let span = encoding.range.1 - encoding.range.0;
-    let normalised = normalised_range(volume(node, port)?);
+    let normalised = normalised_range(placed);
     Ok(vec![
         (
             "texture_from_world",
@@ -156,18 +223,19 @@ pub fn uniform_at(node: &NodeContext<'_>, port: &str) -> Result<Uniform, Finding
 
 /// What 0 and 1 of a normalised scalar stand for: the stored type's range, for floats the data's.
 #[must_use]
-pub fn normalised_range(volume: &Volume) -> (f64, f64) {
-    match volume.voxels().scalar_type().range() {
+pub fn normalised_range(scalars: impl Into<Scalars>) -> (f64, f64) {
+    let scalars = scalars.into();
+    match scalars.ty.range() {
         Some(range) => range,
-        None => data_range(volume),
+        None => data_range(scalars),
     }
 }
 
 /// The smallest and largest value that the volume has; one apart where there is one alone, or what tells two numbers
 /// as large apart.
 #[must_use]
-pub fn data_range(volume: &Volume) -> (f64, f64) {
-    let (low, high) = volume.statistics().range().unwrap_or((0.0, 1.0));
+pub fn data_range(scalars: impl Into<Scalars>) -> (f64, f64) {
+    let (low, high) = scalars.into().range.unwrap_or((0.0, 1.0));
     if high > low {
         (low, high)
     } else {

@@ -14,7 +14,7 @@ use volgraph_report::Finding;
 use volgraph_shader::{ParamSpec, UniformValue};
 use wgpu_types::TextureFormat;
 
-use crate::placement::volume;
+use crate::placement::placed;
 use crate::transfer_table::transfers;
 
 /// The node kinds of one table each.
@@ -137,7 +137,7 @@ pub(crate) fn segment_references(
     node: &NodeContext<'_>,
     transfer: &TransferFunction,
 ) -> Result<f64, Finding> {
-    let voxel = volume(node, "volume")?.grid().min_spacing();
+    let voxel = placed(node, "volume")?.grid().min_spacing();
     let segment_world = node.float("step") * voxel;
     Ok(segment_world * transfer.reference_length().extinction_per_world(voxel))
 }

@@ -8,7 +8,7 @@ use volgraph_report::Finding;
 use volgraph_shader::ParamSpec;
 use wgpu_types::TextureFormat;
 
-use crate::placement::{f32_value, volume};
+use crate::placement::{f32_value, placed};
 use crate::preintegration::{MAX_BYTES, step_param};
 use crate::raycast::table_range;
 use crate::transfer_table::transfer;
@@ -65,7 +65,7 @@ pub fn params() -> [ParamSpec; 3] {
 
 /// World length of the longest segment that a node makes the table for.
 fn longest_world(node: &NodeContext<'_>) -> Result<f64, Finding> {
-    let voxel = volume(node, "volume")?.grid().min_spacing();
+    let voxel = placed(node, "volume")?.grid().min_spacing();
     let longest = node.float("preintegration_3d_longest");
     Ok(voxel * node.float("step").max(longest))
 }
@@ -128,7 +128,7 @@ impl NodeKind for Preintegration3d {
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         let transfer = transfer(node, "transfer")?;
-        let voxel = volume(node, "volume")?.grid().min_spacing();
+        let voxel = placed(node, "volume")?.grid().min_spacing();
         let references_per_world = transfer.reference_length().extinction_per_world(voxel);
         let longest = longest_world(node)? * references_per_world;
         let [size, layers] = size(node)?;

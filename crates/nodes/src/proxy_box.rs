@@ -9,7 +9,7 @@ use volgraph_graph::{
 use volgraph_report::Finding;
 use volgraph_volume::Grid;
 
-use crate::placement::volume;
+use crate::placement::placed;
 
 /// The node kind `proxy_box`.
 pub struct ProxyBox;
@@ -82,10 +82,10 @@ impl NodeKind for ProxyBox {
 pub(crate) fn enclosing(node: &NodeContext<'_>) -> Result<Grid, Finding> {
     let connected = VOLUMES.iter().filter(|port| node.is_connected(port));
     let grids: Vec<Grid> = connected
-        .map(|port| volume(node, port).map(|volume| *volume.grid()))
+        .map(|port| placed(node, port).map(|volume| *volume.grid()))
         .collect::<Result<_, _>>()?;
     if grids.len() < 2 {
-        return Ok(*volume(node, "volume")?.grid());
+        return Ok(*placed(node, "volume")?.grid());
     }
     let corners = || grids.iter().flat_map(Grid::corners_world);
     let low = corners().fold(DVec3::INFINITY, DVec3::min);

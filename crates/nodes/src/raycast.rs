@@ -29,7 +29,7 @@ use crate::background::Background;
 use crate::placement::{f32_value, vec3};
 use crate::source::segments::SegmentsSource;
 use crate::{
-    brick_proxy, brick_ranges, clip_volume, light_volume, lit_preintegration, placement,
+    brick_pool, brick_proxy, brick_ranges, clip_volume, light_volume, lit_preintegration, placement,
     preintegration, preintegration_3d, proxy_box, segmentation, stride_map, transfer_table,
     volume_texture,
 };
@@ -78,6 +78,12 @@ fn leaps(node: &NodeContext<'_>) -> [(String, String); 2] {
     let slots = |leap: &str, look: &str| {
         [("leap", leap), ("look", look)].map(|(slot, choice)| (slot.to_owned(), choice.to_owned()))
     };
+    if placement::is_in_bricks(node) {
+        // Walks of a user's own may end their segments anywhere.
+        let takes_whole_steps = ["uniform", "skip", "adaptive"].contains(&node.slot("traverse"));
+        let leap = if takes_whole_steps { "pages" } else { "none" };
+        return slots(leap, "distance_map");
+    }
     let emptiness = node.slot("emptiness");
     let has_labels = !Raycast.param_rows(node).is_empty();
     let reads_params = ["isovalue", "isovalue_transfer", "isosurfaces"].contains(&emptiness);
@@ -165,6 +171,7 @@ impl NodeKind for Raycast {
         &[
             "volume",
             "bricks",
+            "pages",
             "steepness",
             "clip_placement",
             "transfer",
@@ -262,6 +269,7 @@ impl NodeKind for Raycast {
         match name {
             "volume" => placement::uniform(node),
             "bricks" => brick_ranges::uniform(node),
+            "pages" => brick_pool::uniform(node),
             "steepness" => walk::steepness_uniform(node),
             "clip_placement" => placement::uniform_at(node, "clip_volume"),
             "transfer" => {
@@ -328,7 +336,8 @@ impl NodeKind for Raycast {
 
 /// The pixels that a node's proxy geometry may cover: `[x, y, width, height]`; `None` where it is out of view.
 pub(crate) fn tile(node: &NodeContext<'_>) -> Result<Option<[u32; 4]>, Finding> {
-    let grid = placement::volume(node, "volume")?.grid();
+    let placed = placement::placed(node, "volume")?;
+    let grid = placed.grid();
     let corners = brick_proxy::covered(node)?.map(|[low, high]| corners_world(grid, low, high));
     Ok(corners.and_then(|corners| node.view()?.pixel_bounds(&corners)))
 }
@@ -353,7 +362,8 @@ fn corners_world(grid: &Grid, low: DVec3, high: DVec3) -> [DVec3; 8] {
 /// # Errors
 /// `missing-input`.
 pub(crate) fn tile_uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
-    let grid = placement::volume(node, "volume")?.grid();
+    let placed = placement::placed(node, "volume")?;
+    let grid = placed.grid();
     let [low, high] = brick_proxy::covered(node)?.unwrap_or_default();
     let first = tile(node)?;
     Ok(tile_members(node, grid, [low, high], first))

@@ -30,5 +30,5 @@ pub use error::{Trouble, VolumeError};
 pub use grid::Grid;
 pub use scalar::ScalarType;
 pub use statistics::{Histogram, Statistics};
-pub use volume::{DEFAULT_MAX_BYTES, Digest, Volume};
+pub use volume::{DEFAULT_MAX_BYTES, Digest, Volume, drawn};
 pub use voxels::{Element, Voxels};

@@ -57,6 +57,17 @@ pub struct Volume {
     pub(crate) steepness: OnceLock<[f64; 3]>,
 }
 
+/// What is drawn for a voxel's value, with the range of all finite ones: itself where it is finite; the smallest for one that
+/// is not a number, the nearest for an infinite one; 0 where no voxel is finite.
+#[must_use]
+pub fn drawn(value: f64, range: Option<(f64, f64)>) -> f64 {
+    if value.is_finite() {
+        return value;
+    }
+    let (min, max) = range.unwrap_or((0.0, 0.0));
+    if value == f64::INFINITY { max } else { min }
+}
+
 impl Volume {
     /// A volume of voxels in memory, x fastest.
     ///
@@ -243,11 +254,11 @@ impl Volume {
     /// a number, the nearest finite one for an infinite one; 0 where no voxel is finite.
     #[must_use]
     pub fn drawn(&self, value: f64) -> f64 {
+        // Statistics take a pass over all voxels.
         if value.is_finite() {
             return value;
         }
-        let (min, max) = self.statistics().range().unwrap_or((0.0, 0.0));
-        if value == f64::INFINITY { max } else { min }
+        drawn(value, self.statistics().range())
     }
 
     /// The field at a point of index space, trilinear in float64 over what is [drawn](Self::drawn); outside the voxel

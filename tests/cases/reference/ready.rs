@@ -7,13 +7,14 @@ use volgraph_tests::{adapters, open, root};
 const SIZE: [u32; 2] = [48, 48];
 
 /// What the reference does not compute yet.
-const REFUSED: [&str; 11] = [
+const REFUSED: [&str; 12] = [
     "adaptive",
     "difference",
     "environment",
     "error",
     "fetch_only",
     "matcap",
+    "multivolume",
     "refraction",
     "refraction_surface",
     "samples",

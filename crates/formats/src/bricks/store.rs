@@ -1,8 +1,11 @@
 //! The way to bricks: opening a volume with its pyramid, and reading.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
-use volgraph_volume::{About, ScalarType, Trouble, VolumeError, Voxels, for_scalar_type};
+use volgraph_volume::{
+    About, ScalarType, Trouble, VolumeError, Voxels, drawn, for_scalar_type,
+};
 
 use super::build::level_of;
 use super::cache::ChunkCache;
@@ -61,6 +64,16 @@ pub struct BrickStore {
     statistics: BrickStatistics,
     path: PathBuf,
     pyramid: PathBuf,
+    digest: [u8; 32],
+}
+
+impl fmt::Debug for BrickStore {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("BrickStore")
+            .field("path", &self.path)
+            .field("pyramid", &self.pyramid)
+            .finish_non_exhaustive()
+    }
 }
 
 impl BrickStore {
@@ -114,6 +127,7 @@ impl BrickStore {
         pyramid: &Path,
         options: &StoreOptions,
     ) -> Result<Self, VolumeError> {
+        let digest = *blake3::hash(&side.to_bytes()).as_bytes();
         let cache = ChunkCache::new(usize::try_from(options.cache_bytes).unwrap_or(usize::MAX));
         let (name, about, levels, mut fields) = if side.first == 0 && !path.exists() {
             let reader = VolumeReader::open(pyramid, &LoadOptions::default())?;
@@ -167,6 +181,7 @@ impl BrickStore {
             statistics: side.statistics,
             path: path.to_path_buf(),
             pyramid: pyramid.to_path_buf(),
+            digest,
         })
     }
 
@@ -222,11 +237,13 @@ impl BrickStore {
     /// number, the nearest finite one for an infinite one; 0 where no voxel is finite. Bricks have the values as they are.
     #[must_use]
     pub fn drawn(&self, value: f64) -> f64 {
-        if value.is_finite() {
-            return value;
-        }
-        let (min, max) = self.statistics.range().unwrap_or((0.0, 0.0));
-        if value == f64::INFINITY { max } else { min }
+        drawn(value, self.statistics.range())
+    }
+
+    /// Changes whenever the volume or its levels do.
+    #[must_use]
+    pub fn digest(&self) -> [u8; 32] {
+        self.digest
     }
 
     /// What is known of a brick; `None` where there is no such level or brick.

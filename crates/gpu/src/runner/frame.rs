@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use volgraph_graph::{Digest, NodeId, Pass, Plan, View};
+use volgraph_graph::{Digest, NodeId, Pass, Plan, StateProgress, View};
 use volgraph_report::{Finding, Findings};
 use wgpu::{CommandEncoder, CommandEncoderDescriptor};
 
@@ -73,7 +73,7 @@ impl Runner {
         let contents: Vec<_> = installation
             .held
             .iter()
-            .map(|held| held.content.clone())
+            .map(|held| held.content())
             .collect();
         let running = must_run(&plan, &fingerprints, &contents);
         let mut recording = Recording::new(self.encoder(), Timer::new(&self.gpu, running.len()));
@@ -85,7 +85,7 @@ impl Runner {
                 .allocation_of
                 .range((id, String::new())..(id + 1, String::new()))
             {
-                installation.held[*allocation].content = None;
+                installation.held[*allocation].set_content(None);
                 written.push((*allocation, (fingerprints[&id], port.clone())));
             }
             let variant = self.variant(installation, id, view, &mut recording)?;
@@ -110,11 +110,22 @@ impl Runner {
             None => Vec::new(),
         };
         for (allocation, content) in written {
-            installation.held[allocation].content = Some(content);
+            installation.held[allocation].set_content(Some(content));
         }
         let ran: Vec<Digest> = running.iter().map(|id| fingerprints[id]).collect();
         installation.remember(&plan, &fingerprints, &ran, recording.found);
         let mut times = times.into_iter();
+        let mut hazards = installation.hazards(&plan, &fingerprints);
+        let mut progress = StateProgress::default();
+        let mut abouts: BTreeMap<NodeId, String> = BTreeMap::new();
+        for &id in &plan.order {
+            if let Some(state) = plan.state(id, view) {
+                progress.ready += state.progress.ready;
+                progress.wanted += state.progress.wanted;
+                hazards.extend(state.warnings);
+                abouts.insert(id, state.about);
+            }
+        }
         let nodes = plan
             .order
             .iter()
@@ -141,13 +152,15 @@ impl Runner {
                         })
                         .unwrap_or_default(),
                     gpu_ms: if ran { times.next() } else { None },
+                    about: abouts.remove(id),
                 }
             });
         Ok(FrameReport {
             nodes: nodes.collect(),
             memory: self.memory(installation),
             pipelines: self.pipelines.len(),
-            hazards: installation.hazards(&plan, &fingerprints),
+            hazards,
+            progress,
         })
     }
 
@@ -196,6 +209,11 @@ impl Runner {
                     self.flush(recording);
                     let held = installation.output(id, port)?;
                     self.upload(held, bytes, name, installation.bytes())?;
+                }
+                Pass::Tiles { port, tiles } => {
+                    self.flush(recording);
+                    let held = installation.output(id, port)?;
+                    self.write_tiles(held, tiles, name, installation.bytes())?;
                 }
                 Pass::Compute { .. } | Pass::ComputeIndirect { .. } => {
                     let bound =

@@ -178,6 +178,9 @@ pub(super) fn wishes(plan: &Plan, fingerprints: &BTreeMap<NodeId, Digest>) -> Ve
         wish.written.is_target |= node
             .kind()
             .is_some_and(|kind| kind.targets().contains(&port.as_str()));
+        wish.written.is_tiled |= node
+            .kind()
+            .is_some_and(|kind| kind.tiled().contains(&port.as_str()));
         wish.contents.insert((fingerprints[id], port.clone()));
     }
     wishes

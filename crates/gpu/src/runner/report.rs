@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use volgraph_graph::StateProgress;
 use volgraph_report::Findings;
 
 use crate::pool::PoolReport;
@@ -19,6 +20,8 @@ pub struct FrameReport {
     /// Warnings of what shaders did while they made what is shown, such as loads from outside of a texture: in this
     /// frame, or in the one whose results still hold.
     pub hazards: Findings,
+    /// How far what is shown is, of nodes that make it from frame to frame: the picture gets better until all is there.
+    pub progress: StateProgress,
 }
 
 /// What one node did in a frame.
@@ -36,6 +39,8 @@ pub struct NodeReport {
     pub measured_ms: BTreeMap<String, f64>,
     /// Its time on the device, milliseconds; `None` where it did not run or the device cannot tell.
     pub gpu_ms: Option<f64>,
+    /// What its result is in a few words, where it is made from frame to frame.
+    pub about: Option<String>,
 }
 
 impl FrameReport {

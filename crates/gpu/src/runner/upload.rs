@@ -1,6 +1,6 @@
 //! From the host to device memory, piece by piece: while one is copied, the next is made.
 
-use volgraph_graph::{Piece, ResourceKind, UploadBytes};
+use volgraph_graph::{Piece, ResourceKind, Tiles, UploadBytes};
 use volgraph_report::Finding;
 use wgpu::{Extent3d, Origin3d, TexelCopyBufferLayout, TexelCopyTextureInfo, TextureAspect};
 
@@ -35,6 +35,72 @@ impl Runner {
             self.gpu
                 .scoped(&what, held_bytes, || self.write(held, &piece))?;
             self.gpu.queue.submit([]);
+        }
+        Ok(())
+    }
+
+    /// Writes those of some tiles that are not there, a batch of them at a time.
+    pub(super) fn write_tiles(
+        &self,
+        held: &Held,
+        tiles: &Tiles,
+        node: &str,
+        held_bytes: u64,
+    ) -> Result<(), GpuError> {
+        let what = format!("uploading for node `{node}`");
+        let (Some(texture), ResourceKind::Texture { format, .. }) = (held.texture(), held.resource)
+        else {
+            return Ok(());
+        };
+        let texel = format.block_copy_size(None).unwrap_or(4);
+        let [width, height, depth] = tiles.extent;
+        let bytes = (width * height * depth * texel) as usize;
+        let missing: Vec<usize> = (0..tiles.tiles.len())
+            .filter(|at| {
+                let (origin, tag) = tiles.tiles[*at];
+                !held.has_tile(origin, tag)
+            })
+            .collect();
+        let mut batch = Vec::new();
+        for some in missing.chunks((Tiles::BATCH_BYTES / bytes.max(1)).max(1)) {
+            batch.resize(some.len() * bytes, 0);
+            tiles.read(some, &mut batch)?;
+            self.gpu.scoped(&what, held_bytes, || {
+                for (at, texels) in some.iter().zip(batch.chunks_exact(bytes)) {
+                    let origin = tiles.tiles[*at].0;
+                    held.set_tile(origin, None);
+                    self.gpu.queue.write_texture(
+                        TexelCopyTextureInfo {
+                            texture,
+                            mip_level: 0,
+                            origin: Origin3d {
+                                x: origin[0],
+                                y: origin[1],
+                                z: origin[2],
+                            },
+                            aspect: TextureAspect::All,
+                        },
+                        texels,
+                        TexelCopyBufferLayout {
+                            offset: 0,
+                            bytes_per_row: Some(width * texel),
+                            rows_per_image: Some(height),
+                        },
+                        Extent3d {
+                            width,
+                            height,
+                            depth_or_array_layers: depth,
+                        },
+                    );
+                }
+            })?;
+            self.gpu.queue.submit([]);
+            // What is staged is let go before more is staged.
+            self.gpu.wait()?;
+            for at in some {
+                let (origin, tag) = tiles.tiles[*at];
+                held.set_tile(origin, Some(tag));
+            }
         }
         Ok(())
     }

@@ -6,10 +6,10 @@ use std::ops::Range;
 
 use half::f16;
 use rayon::prelude::*;
-use volgraph_volume::{Element, Volume, Voxels};
+use volgraph_volume::{Element, ScalarType, Voxels};
 use wgpu_types::TextureFormat;
 
-use super::{Encoding, unorm8};
+use super::{Encoding, Scalars, unorm8};
 
 /// Voxels for a thread at a time.
 const CHUNK: usize = 1 << 15;
@@ -18,43 +18,49 @@ const CHUNK: usize = 1 << 15;
 #[derive(Clone, Debug)]
 pub struct Encoder {
     encoding: Encoding,
+    scalars: Scalars,
     /// The texel of each value, for types of 8 and 16 bits; as many of its bytes count as the format has.
     table: Vec<[u8; 4]>,
 }
 
 impl Encoder {
-    /// For a volume; its table is made here.
+    /// For the scalars of a volume; its table is made here.
     #[must_use]
-    pub fn new(encoding: Encoding, volume: &Volume) -> Self {
-        let texel = |value: f64| encoding.texel_bytes(volume, value);
-        let table: Vec<[u8; 4]> = match volume.voxels() {
-            Voxels::U8(_) if encoding.keeps_bytes() => Vec::new(),
-            Voxels::U8(_) => (0..=u8::MAX).map(|value| texel(value.into())).collect(),
-            Voxels::I8(_) => (0..=u8::MAX)
+    pub fn new(encoding: Encoding, scalars: impl Into<Scalars>) -> Self {
+        let scalars = scalars.into();
+        let texel = |value: f64| encoding.texel_bytes(&scalars, value);
+        let table: Vec<[u8; 4]> = match scalars.ty {
+            ScalarType::U8 if encoding.keeps_bytes() => Vec::new(),
+            ScalarType::U8 => (0..=u8::MAX).map(|value| texel(value.into())).collect(),
+            ScalarType::I8 => (0..=u8::MAX)
                 .map(|bits| texel(bits.cast_signed().into()))
                 .collect(),
-            Voxels::U16(_) => (0..=u16::MAX).map(|value| texel(value.into())).collect(),
-            Voxels::I16(_) => (0..=u16::MAX)
+            ScalarType::U16 => (0..=u16::MAX).map(|value| texel(value.into())).collect(),
+            ScalarType::I16 => (0..=u16::MAX)
                 .map(|bits| texel(bits.cast_signed().into()))
                 .collect(),
             _ => Vec::new(),
         };
-        Self { encoding, table }
-    }
-
-    /// Writes the texels of the voxels with these numbers, x fastest; `texels` holds exactly as many. What is not finite
-    /// is as [`Volume::drawn`] says.
-    pub fn fill(&self, volume: &Volume, voxels: Range<usize>, texels: &mut [u8]) {
-        match self.encoding.format {
-            TextureFormat::R8Unorm => self.fill_texels::<1>(volume, voxels, texels),
-            TextureFormat::R16Float => self.fill_texels::<2>(volume, voxels, texels),
-            _ => self.fill_texels::<4>(volume, voxels, texels),
+        Self {
+            encoding,
+            scalars,
+            table,
         }
     }
 
-    fn fill_texels<const N: usize>(&self, volume: &Volume, at: Range<usize>, texels: &mut [u8]) {
-        let one = |value: f64| self.encoding.texel_bytes(volume, value);
-        match volume.voxels() {
+    /// Writes the texels of the voxels with these numbers, x fastest; `texels` holds exactly as many. What is not finite
+    /// is as [`Scalars::drawn`] says.
+    pub fn fill(&self, voxels: &Voxels, at: Range<usize>, texels: &mut [u8]) {
+        match self.encoding.format {
+            TextureFormat::R8Unorm => self.fill_texels::<1>(voxels, at, texels),
+            TextureFormat::R16Float => self.fill_texels::<2>(voxels, at, texels),
+            _ => self.fill_texels::<4>(voxels, at, texels),
+        }
+    }
+
+    fn fill_texels<const N: usize>(&self, voxels: &Voxels, at: Range<usize>, texels: &mut [u8]) {
+        let one = |value: f64| self.encoding.texel_bytes(&self.scalars, value);
+        match voxels {
             Voxels::U8(values) if self.encoding.keeps_bytes() => {
                 texels.copy_from_slice(&values[at]);
             }
@@ -113,8 +119,8 @@ impl Encoding {
 
     /// The texel of a data value; as many of its bytes count as the format has.
     #[expect(clippy::cast_possible_truncation, reason = "textures hold f32 at most")]
-    fn texel_bytes(&self, volume: &Volume, value: f64) -> [u8; 4] {
-        let texel = self.texel(volume.drawn(value));
+    fn texel_bytes(&self, scalars: &Scalars, value: f64) -> [u8; 4] {
+        let texel = self.texel(scalars.drawn(value));
         match self.format {
             TextureFormat::R8Unorm => [unorm8(texel), 0, 0, 0],
             TextureFormat::R16Float => {
@@ -129,7 +135,7 @@ impl Encoding {
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
-    use volgraph_volume::Grid;
+    use volgraph_volume::{Grid, Volume};
 
     use super::*;
 
@@ -162,7 +168,7 @@ mod tests {
                 let encoder = Encoder::new(encoding, &volume);
                 let (from, len) = (77, encoding.texel_len());
                 let mut texels = vec![0xaa; (n - from) * len];
-                encoder.fill(&volume, from..n, &mut texels);
+                encoder.fill(volume.voxels(), from..n, &mut texels);
                 for (at, texel) in texels.chunks(len).enumerate() {
                     let value = volume.voxels().get(from + at);
                     let kind = volume.voxels().scalar_type();

@@ -79,6 +79,18 @@ pub(super) const INPUTS: &[InputPort] = &[
         doc: "The volume on the device.",
     },
     InputPort {
+        name: "brick_pool",
+        ty: PortType::BrickPool,
+        requirement: Requirement::DemandedAlike("brick_pool"),
+        doc: "Bricks of the volume on the device, where it is in bricks.",
+    },
+    InputPort {
+        name: "page_table",
+        ty: PortType::PageTable,
+        requirement: Requirement::DemandedAlike("brick_pool"),
+        doc: "Which of them has the scalars of which part of the volume.",
+    },
+    InputPort {
         name: "color_volume",
         ty: PortType::ColorVolume,
         requirement: Requirement::Demanded(Demand {

@@ -4,9 +4,9 @@ use volgraph_graph::{InputPort, NodeContext, NodeKind, Requirement, Uniform};
 use volgraph_optics::{Domain, IntegralTable, TransferFunction};
 use volgraph_report::Finding;
 use volgraph_shader::UniformValue;
-use volgraph_volume::Volume;
 
 use super::ports::INPUTS;
+use crate::encoding::Scalars;
 use crate::placement::{self, f32_value};
 use crate::preintegration::Preintegration;
 use crate::segmentation;
@@ -108,7 +108,7 @@ pub(crate) fn transfer_uniform(
     transfer: &TransferFunction,
     ports: &TablePorts,
 ) -> Result<Uniform, Finding> {
-    let volume = placement::volume(node, ports.volume)?;
+    let volume = placement::placed(node, ports.volume)?;
     let scalar = |at: f64| data_value(volume, transfer.domain(), at);
     let voxel = volume.grid().min_spacing();
     let last = |port: &str, param: &str| {
@@ -197,7 +197,7 @@ fn table_range_at(
     port: &str,
     transfer: &TransferFunction,
 ) -> Result<(f64, f64), Finding> {
-    let volume = placement::volume(node, port)?;
+    let volume = placement::placed(node, port)?;
     let (low, high) = transfer.range();
     let [low, high] = [low, high].map(|at| data_value(volume, transfer.domain(), at));
     // Shaders count scalars from the encoding's reference.
@@ -207,7 +207,7 @@ fn table_range_at(
 
 /// The data value at a position of a transfer function.
 #[must_use]
-pub fn data_value(volume: &Volume, domain: Domain, at: f64) -> f64 {
+pub fn data_value(volume: impl Into<Scalars>, domain: Domain, at: f64) -> f64 {
     let (from, to) = match domain {
         Domain::Data => return at,
         Domain::Normalised => placement::normalised_range(volume),

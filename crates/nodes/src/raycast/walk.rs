@@ -46,7 +46,7 @@ pub(crate) fn walk_slots(node: &NodeContext<'_>) -> BTreeMap<String, String> {
 /// Whether scalars may leave the tables of transfer functions: of data that go farther, and of fields that overshoot
 /// the data.
 fn reach(node: &NodeContext<'_>) -> &'static str {
-    let Ok(volume) = placement::volume(node, "volume") else {
+    let Ok(volume) = placement::placed(node, "volume") else {
         return "within";
     };
     let (low, high) = placement::data_range(volume);
@@ -74,7 +74,8 @@ pub(crate) fn check_walk(node: &NodeContext<'_>) -> Result<(), Finding> {
 
 /// The longest ray must not have more segments than are walked (`RAYCAST_MAX_SEGMENTS` in `node/raycast.wgsl`).
 fn check_segments(node: &NodeContext<'_>) -> Result<(), Finding> {
-    let grid = placement::volume(node, "volume")?.grid();
+    let placed = placement::placed(node, "volume")?;
+    let grid = placed.grid();
     for param in ["step", "shadow_step"] {
         // Labels may have steps of their own.
         let rows = Raycast.param_rows(node).into_iter();
@@ -161,7 +162,7 @@ pub(crate) fn longest_ray(grid: &Grid) -> f64 {
 pub(super) fn heed(node: &NodeContext<'_>) -> String {
     let heeds = node.slot("heed");
     // The estimate of the error goes along with every segment.
-    if is_trilinear(node) && !node.is_wanted("error") {
+    if is_trilinear(node) && !node.is_wanted("error") && !placement::is_in_bricks(node) {
         heeds.to_owned()
     } else {
         "all".to_owned()

@@ -105,7 +105,7 @@ impl ShearDrawing {
     }
 
     pub(super) fn units(&self) -> Units {
-        let value = |at: f64| data_value(&self.volume, self.transfer.domain(), at);
+        let value = |at: f64| data_value(&*self.volume, self.transfer.domain(), at);
         Units {
             values: (value(0.0), value(1.0) - value(0.0)),
             spacing: self.volume.grid().min_spacing(),

@@ -214,7 +214,7 @@ impl SoftwareDrawing {
                 },
                 _,
             ) => {
-                let (low, high) = placement::data_range(&self.volume);
+                let (low, high) = placement::data_range(&*self.volume);
                 Isosurface {
                     placement,
                     voxels: &voxels,

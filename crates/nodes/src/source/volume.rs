@@ -5,15 +5,15 @@
 
 use std::any::Any;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::DVec3;
 use volgraph_formats::LoadOptions;
-use volgraph_graph::{Digest, EMBEDDED_GRAPHS, Folders, PortType, Source, SourceKind, is_there};
-use volgraph_report::{Finding, Findings};
+use volgraph_graph::{Digest, Folders, PortType, Source, SourceKind};
+use volgraph_report::Findings;
 use volgraph_shader::{ParamSpec, ParamValue};
-use volgraph_volume::{ScalarType, Volume};
+use volgraph_volume::Volume;
 
 use super::Given;
 use super::seen_bricks::SeenBricks;
@@ -70,66 +70,22 @@ impl SourceKind for VolumeKind {
     }
 
     fn params(&self) -> Vec<ParamSpec> {
-        vec![
-            ParamSpec::text(
-                "path",
-                "",
-                "The file, folder or pattern (`slices/*.tif`), relative to the graph file.",
-            ),
-            ParamSpec::vector(
-                "dims",
-                &[0.0; 3],
-                "Voxels along x, y, z of a raw file whose name does not say.",
-            ),
-            ParamSpec::text(
-                "type",
-                "",
-                "Scalar type of a raw file whose name does not say, such as uint8.",
-            ),
-            ParamSpec::bool(
-                "big_endian",
-                false,
-                "A raw file has its highest byte first.",
-            ),
-            ParamSpec::vector(
-                "spacing",
-                &[0.0; 3],
-                "Distances between voxels in world units, instead of the file's; a negative one turns its axis around.",
-            ),
-            ParamSpec::vector(
-                "origin",
-                &[0.0; 3],
-                "World position of the first voxel's centre, instead of the file's.",
-            ),
-            super::transform_param(),
-            ParamSpec::bool(
-                "node_centred",
-                false,
-                "The box spans voxel centre to voxel centre.",
-            ),
-            ParamSpec::text(
-                "component",
-                "",
-                "Which of several values per voxel: its number from 0, `magnitude` or `color`.",
-            ),
+        let mut params = super::volume_file_params();
+        params.extend([
             ParamSpec::int(
                 "time",
                 0,
                 "Which time step, from 0; a volume without time is the same at all of them.",
             )
             .range(0.0, f64::from(i32::MAX)),
-            ParamSpec::text(
-                "part",
-                "",
-                "Which volume of several, by a part of its name: a series of a folder, an array of a group.",
-            ),
             ParamSpec::int(
                 "level",
                 0,
                 "Which level of a multi-resolution file; 0 is the finest.",
             )
             .range(0.0, 64.0),
-        ]
+        ]);
+        params
     }
 
     fn load(
@@ -139,47 +95,10 @@ impl SourceKind for VolumeKind {
         progress: volgraph_graph::Progress<'_>,
     ) -> Result<Arc<dyn Source>, Findings> {
         let given = Given(params);
-        let path = given.path("path", folders)?;
-        if !is_there(&path) {
-            // A ready graph has no folder of its own on the disk.
-            let given = given.text("path").map_or(path.as_path(), Path::new);
-            let file = if path.starts_with(EMBEDDED_GRAPHS) {
-                given
-            } else {
-                &path
-            };
-            return Err(Finding::error("data-missing", format!("the volume file {} is not there", file.display()))
-                .help("name the folder that has it with `--data FOLDER` or in VOLGRAPH_DATA, or the file with `--volume`")
-                .into());
-        }
-        let scalar_type = match given.text("type").filter(|name| !name.is_empty()) {
-            None => None,
-            Some(name) => Some(ScalarType::parse(name).ok_or_else(|| {
-                Finding::error("bad-param", format!("field `type`: `{name}` is not a scalar type"))
-                    .help("use uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32 or float64")
-            })?),
-        };
-        let component = match given.text("component").filter(|text| !text.is_empty()) {
-            None => None,
-            Some(text) => Some(text.parse().map_err(|reason: String| {
-                Finding::error("bad-param", format!("field `component`: {reason}"))
-            })?),
-        };
+        let (path, options) = given.volume_file(folders)?;
         let options = LoadOptions {
-            dims: given.dims("dims")?,
-            scalar_type,
-            big_endian: given.is_set("big_endian"),
-            spacing: given.vec3("spacing"),
-            origin: given.vec3("origin"),
-            transform: given.affine("transform"),
-            node_centred: given.is_set("node_centred"),
-            component,
-            part: given
-                .text("part")
-                .filter(|part| !part.is_empty())
-                .map(str::to_owned),
             level: given.uint("level"),
-            ..LoadOptions::default()
+            ..options
         };
         let volume =
             self.series
