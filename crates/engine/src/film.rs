@@ -188,7 +188,7 @@ impl Film {
                 Some(drawn) => drawn,
                 None => session.render()?,
             };
-            take(number, picture, &report.hazards)?;
+            take(number, picture, &report.all_warnings())?;
         }
         Ok(())
     }

@@ -62,6 +62,7 @@ pub use volgraph_gpu::{
 pub use volgraph_graph::{
     Camera, CameraDesc, Edit, GraphDesc, Limits, Plan, Registry, View, Window, apply_edits,
 };
-pub use volgraph_nodes::registry;
+pub use volgraph_nodes::source::bricks::Progressive;
+pub use volgraph_nodes::{progressive_registry, registry};
 pub use volgraph_picture::Picture;
 pub use volgraph_report::{Finding, Findings, Place};

@@ -70,6 +70,14 @@ pub struct Progress {
     pub wanted: u64,
 }
 
+impl Progress {
+    /// Whether all is there.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.ready >= self.wanted
+    }
+}
+
 /// What a node's result depends on beside its parameters and inputs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct State {

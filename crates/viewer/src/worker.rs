@@ -17,7 +17,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use volgraph_engine::{Findings, Gpu, RayStudy, Session, SessionOptions};
+use volgraph_engine::{Findings, Gpu, Progressive, RayStudy, Session, SessionOptions};
 use volgraph_watch::{FileWatch, WatchOptions};
 
 pub use export::Turntable;
@@ -95,6 +95,7 @@ impl Worker {
             is_paused: false,
             moved: None,
             is_kept_later: false,
+            progressive: Progressive::default(),
             wrong: Findings::new(),
             pace: Pace::default(),
             comparing: None,
@@ -164,6 +165,8 @@ struct Work {
     moved: Option<Instant>,
     /// Whether the next whole picture is one after a change.
     is_kept_later: bool,
+    /// Whether volumes in bricks come at once and get better from frame to frame: in the window, not in what is saved.
+    progressive: Progressive,
     /// What is wrong with the files on disk, for as long as it is.
     wrong: Findings,
     /// How coarsely it is drawn while it moves.
@@ -177,6 +180,7 @@ struct Work {
 impl Work {
     fn run(mut self, received: &Receiver<Request>) {
         let graph = self.options.graph.clone();
+        self.progressive.set(true);
         self.open(graph);
         loop {
             let first = match received.recv_timeout(TICK) {
@@ -218,7 +222,7 @@ impl Work {
         let opened = Session::begin_on(
             &graph,
             &self.options.session,
-            volgraph_engine::registry(),
+            volgraph_engine::progressive_registry(self.progressive.clone()),
             &told::Progress(Arc::clone(&self.told), Arc::clone(&self.wake)),
             self.gpu.clone().filter(|gpu| gpu.lost().is_none()),
         );
@@ -234,6 +238,7 @@ impl Work {
                 self.tell(Told::forget);
                 match drawn {
                     Ok((picture, frame)) => {
+                        let warnings = self.expect_more(&frame);
                         let note = Note::new(format!(
                             "opened in {:.0} ms",
                             start.elapsed().as_secs_f64() * 1e3
@@ -243,7 +248,7 @@ impl Work {
                             told.keep(picture);
                             told.note(note);
                         });
-                        self.show(Findings::new());
+                        self.show(warnings);
                     }
                     Err(findings) => self.show(findings),
                 }

@@ -111,7 +111,7 @@ impl Session {
             });
             let report = self.runner.frame(&mut installation, &view)?;
             if hazards.is_empty() {
-                hazards = report.hazards;
+                hazards = report.all_warnings();
             }
             let scene = &self.state.scene;
             let part = self::picture(&self.runner, &installation, scene, &view, has_layers)?;

@@ -115,14 +115,14 @@ impl Runner {
         let ran: Vec<Digest> = running.iter().map(|id| fingerprints[id]).collect();
         installation.remember(&plan, &fingerprints, &ran, recording.found);
         let mut times = times.into_iter();
-        let mut hazards = installation.hazards(&plan, &fingerprints);
+        let mut warnings = Findings::new();
         let mut progress = StateProgress::default();
         let mut abouts: BTreeMap<NodeId, String> = BTreeMap::new();
         for &id in &plan.order {
             if let Some(state) = plan.state(id, view) {
                 progress.ready += state.progress.ready;
                 progress.wanted += state.progress.wanted;
-                hazards.extend(state.warnings);
+                warnings.extend(state.warnings);
                 abouts.insert(id, state.about);
             }
         }
@@ -159,7 +159,8 @@ impl Runner {
             nodes: nodes.collect(),
             memory: self.memory(installation),
             pipelines: self.pipelines.len(),
-            hazards,
+            hazards: installation.hazards(&plan, &fingerprints),
+            warnings,
             progress,
         })
     }

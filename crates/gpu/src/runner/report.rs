@@ -20,6 +20,8 @@ pub struct FrameReport {
     /// Warnings of what shaders did while they made what is shown, such as loads from outside of a texture: in this
     /// frame, or in the one whose results still hold.
     pub hazards: Findings,
+    /// What people should know of what is shown: that a pool is too small for all that a picture needs, say.
+    pub warnings: Findings,
     /// How far what is shown is, of nodes that make it from frame to frame: the picture gets better until all is there.
     pub progress: StateProgress,
 }
@@ -44,6 +46,14 @@ pub struct NodeReport {
 }
 
 impl FrameReport {
+    /// Everything that it warns of.
+    #[must_use]
+    pub fn all_warnings(&self) -> Findings {
+        let mut all = self.hazards.clone();
+        all.extend(self.warnings.clone());
+        all
+    }
+
     /// The names of the nodes that ran.
     #[must_use]
     pub fn ran(&self) -> Vec<&str> {

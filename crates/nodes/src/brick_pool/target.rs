@@ -79,7 +79,7 @@ pub(super) struct Target {
     pub leaves: Vec<Brick>,
     /// All bricks of the tree, coarse ones first, then those that matter most: in which order they are read.
     pub all: Vec<Brick>,
-    /// The largest estimated error of a leaf.
+    /// The estimated error of the picture, in the root mean square over its pixels.
     pub error: f64,
     /// Whether the pool is too small for the tolerance.
     pub is_cut: bool,
@@ -99,8 +99,10 @@ pub(super) struct Aim<'a> {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Leaf {
+    /// What it would be worth to split it; nothing where it stays.
     weight: f64,
-    error: f64,
+    /// Squares of estimated errors, summed over pixels.
+    squares: f64,
     brick: Brick,
 }
 
@@ -145,7 +147,9 @@ impl Aim<'_> {
             split.push(leaf);
             heap.extend(children.into_iter().map(|brick| self.leaf(brick)));
         }
-        let error = leaves.iter().map(|leaf| leaf.error).fold(0.0, f64::max);
+        let squares: f64 = leaves.iter().map(|leaf| leaf.squares).sum();
+        let pixels = self.view.map_or(1.0, |view| view.size.map(f64::from).iter().product());
+        let error = (squares / pixels).sqrt().min(1.0);
         let mut all: Vec<Leaf> = leaves.iter().chain(&split).copied().collect();
         all.sort_by(|a, b| b.brick.level.cmp(&a.brick.level).then_with(|| b.cmp(a)));
         let bricks = |leaves: Vec<Leaf>| leaves.into_iter().map(|leaf| leaf.brick).collect();
@@ -176,18 +180,18 @@ impl Aim<'_> {
         children
     }
 
-    /// A leaf with its error, and what it would be worth to split it; nothing where it stays.
+    /// A leaf with what is known of it.
     fn leaf(&self, brick: Brick) -> Leaf {
-        let stays = |error: f64| Leaf {
+        let stays = |squares: f64| Leaf {
             weight: 0.0,
-            error,
+            squares,
             brick,
         };
         let (level, edge) = (&self.store.levels()[brick.level], self.store.edge());
         let Some(info) = self.store.brick_info(brick.level, brick.at) else {
             return stays(0.0);
         };
-        if brick.level <= self.effort.finest || !self.seen.is_around(self.store, brick) {
+        if brick.level == 0 || !self.seen.is_around(self.store, brick) {
             return stays(0.0);
         }
         let voxel = level.grid.min_spacing();
@@ -213,26 +217,26 @@ impl Aim<'_> {
         };
         let corners: [DVec3; 8] =
             std::array::from_fn(|i| corner([i & 1 != 0, i & 2 != 0, i & 4 != 0]));
-        let area = match &self.view {
-            None => 1.0,
+        let (area, is_fine) = match &self.view {
+            None => (1.0, false),
             Some(view) => {
                 let Some([_, _, width, height]) = view.pixel_bounds(&corners) else {
                     return stays(0.0);
                 };
-                if voxel <= self.effort.pixels * pixel(view, &corners) {
-                    return stays(error);
-                }
-                f64::from(width) * f64::from(height)
+                let is_fine = voxel <= self.effort.pixels * pixel(view, &corners);
+                (f64::from(width) * f64::from(height), is_fine)
             }
         };
-        let is_right = error <= self.effort.tolerance && !(self.effort.tolerance == 0.0 && info.max_error > 0.0);
-        if is_right {
-            return stays(error);
+        let squares = error * error * area;
+        // Without a tolerance all counts that is not exact.
+        let is_right = error <= self.effort.tolerance && (self.effort.tolerance > 0.0 || info.max_error == 0.0);
+        if is_fine || is_right || brick.level <= self.effort.finest {
+            return stays(squares);
         }
         Leaf {
             // What has no error by estimate, and some in truth, comes last.
-            weight: (error * error * area).max(f64::MIN_POSITIVE),
-            error,
+            weight: squares.max(f64::MIN_POSITIVE),
+            squares,
             brick,
         }
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use volgraph_engine::{Change, Findings, Gpu, LOOK, Outcome, ParamOverride, Refused, Session};
+use volgraph_engine::{Change, Findings, FrameReport, Gpu, LOOK, Outcome, ParamOverride, Refused, Session};
 
 use super::{Note, Work, told};
 use crate::looked::Looked;
@@ -43,6 +43,7 @@ impl Work {
                 if !is_whole {
                     self.moved = Some(Instant::now());
                 }
+                let warnings = self.expect_more(&drawn.report.frame);
                 self.tell(|told| {
                     told.frame = Some(drawn.report.frame.clone());
                     if keeps_picture {
@@ -55,7 +56,7 @@ impl Work {
                         told.refined = Some(Arc::new(drawn.picture));
                     }
                 });
-                self.show(Findings::new());
+                self.show(warnings);
             }
             Err(refused) => self.refuse(refused),
         }
@@ -120,8 +121,9 @@ impl Work {
         match drawn {
             Ok(frame) => {
                 self.learn(start.elapsed().as_secs_f64() * 1e3);
+                let warnings = frame.warnings.clone();
                 self.tell(|told| told.frame = Some(frame));
-                self.show(Findings::new());
+                self.show(warnings);
             }
             Err(findings) => self.show(findings),
         }
@@ -154,7 +156,7 @@ impl Work {
             // Looked at again at once: a request comes first.
             return self.draw_at(half);
         }
-        self.moved = None;
+        let moved = self.moved.take();
         let Some(session) = &mut self.session else {
             return;
         };
@@ -162,17 +164,30 @@ impl Work {
             let drawn = session.render_checked();
             match drawn {
                 Ok((picture, frame)) => {
+                    if !frame.progress.is_whole() {
+                        // The next frame has more; a request comes first.
+                        self.moved = moved;
+                    }
+                    let warnings = frame.warnings.clone();
                     self.tell(|told| {
                         told.frame = Some(frame);
                         told.refined = Some(Arc::new(picture));
                     });
-                    self.show(Findings::new());
+                    self.show(warnings);
                 }
                 Err(findings) => self.show(findings),
             }
         } else {
             self.apply(&Change::Size(self.full), false);
         }
+    }
+
+    /// A frame that is not whole yet is followed by others, which have more; what it warns of.
+    pub(super) fn expect_more(&mut self, frame: &FrameReport) -> Findings {
+        if !frame.progress.is_whole() {
+            self.moved.get_or_insert_with(Instant::now);
+        }
+        frame.warnings.clone()
     }
 
     /// Shows the last frame, with what is wrong with what was tried after it. What is wrong on disk stays told while the

@@ -45,7 +45,9 @@ impl Work {
             super::locked(&told).reading = Some((format!("{width} × {height}"), share));
             super::locked(&wake)();
         };
+        self.progressive.set(false);
         let drawn = session.render_tiled(size, None, &mut progress);
+        self.progressive.set(true);
         let saved = drawn.and_then(|(picture, _)| {
             picture
                 .save(file, SaveOptions::default())
@@ -62,11 +64,13 @@ impl Work {
         let (camera, size) = (session.view().camera, session.view().size);
         let told = std::sync::Arc::clone(&self.told);
         let wake = std::sync::Arc::clone(&self.wake);
+        self.progressive.set(false);
         let drawn = draw(session, turntable, &camera, |frame| {
             let share = frame as f32 / turntable.frames.max(1) as f32;
             super::locked(&told).reading = Some(("frames of the film".to_owned(), share));
             super::locked(&wake)();
         });
+        self.progressive.set(true);
         session.place_camera(camera);
         let back = session.apply(&Change::Size(size));
         let back = back.map_err(|refused| refused.findings);

@@ -155,7 +155,7 @@ fn draw(args: &GalleryArgs, graph: &ReadyGraph, gpu: &Arc<Gpu>) -> Result<Shown,
     let mut session = Session::start(scene, Arc::clone(gpu), &session_options(&scene_args, None))?;
     let (picture, report) = session.render()?;
     let first_ms = start.elapsed().as_secs_f64() * 1e3;
-    output::report_warnings(&report.hazards);
+    output::report_warnings(&report.all_warnings());
     let (camera, target) = (session.view().camera, middle(session.plan()));
     let mut frames = Vec::new();
     for frame in 1..=args.frames.max(1) {

@@ -72,7 +72,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<ExitCode> {
             saved.nan_pixels
         ));
     }
-    output::report_warnings(&report.hazards);
+    output::report_warnings(&report.all_warnings());
     let chosen = session.chosen();
     let achieved = chosen
         .filter(|_| !is_tiled)
