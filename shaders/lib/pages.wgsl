@@ -6,8 +6,9 @@
 struct Pages {
     // Voxels along the edge of a brick; in the pool there is one more on each side.
     edge: f32,
-    // Texture coordinates of the pool for one of its texels.
+    // Texture coordinates of the pool for one of its texels, and its texels.
     per_texel: vec3f,
+    texels: vec3f,
 }
 
 @group(1) @binding(44) var brick_pool: texture_3d<f32>;
@@ -36,7 +37,7 @@ fn pages_shrink(level: u32) -> f32 {
     return bitcast<f32>((127u - level) << 23u);
 }
 
-// Where a position of a volume of so many voxels is in the pool.
+// Where a position of a volume of so many voxels is in the pool, in texels.
 fn pages_place(position: vec3f, dims: vec3f) -> vec3f {
     let brick = bricks_at(position * bricks.per_texture);
     let page = pages_at(brick);
@@ -44,5 +45,5 @@ fn pages_place(position: vec3f, dims: vec3f) -> vec3f {
     let first = floor(vec3f(brick) * shrink) * pages.edge;
     // The voxels around a brick reach half a voxel beyond it.
     let within = clamp(position * ceil(dims * shrink) - first, vec3f(-0.5), vec3f(pages.edge + 0.5));
-    return (page.slot * (pages.edge + 2.0) + 1.0 + within) * pages.per_texel;
+    return page.slot * (pages.edge + 2.0) + 1.0 + within;
 }

@@ -6,6 +6,7 @@ mod accuracy;
 mod adaptive;
 mod agreement;
 mod brick_proxies;
+mod bricks;
 mod clips;
 mod closed_forms;
 mod differences;

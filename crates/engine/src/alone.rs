@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::SystemTime;
 
+use volgraph_formats::bricks::{BrickStore, StoreOptions, pyramid_path};
 use volgraph_formats::{LoadOptions, parse_raw_name};
 use volgraph_report::{Finding, Findings};
 use volgraph_volume::{Component, Values, Volume, VolumeError};
@@ -93,6 +94,10 @@ pub fn graph_for(path: &Path) -> Result<Alone, Findings> {
     {
         return Ok(alone.clone());
     }
+    if let Some(alone) = in_bricks(path)? {
+        *last() = Some((path.to_path_buf(), length, modified, alone.clone()));
+        return Ok(alone);
+    }
     let (volume, field) = load(path).map_err(|error| Findings::from(Finding::from(error)))?;
     let mut alone = pick(&volume, &path.display().to_string());
     if !field.is_empty() {
@@ -101,6 +106,59 @@ pub fn graph_for(path: &Path) -> Result<Alone, Findings> {
     }
     *last() = Some((path.to_path_buf(), length, modified, alone.clone()));
     Ok(alone)
+}
+
+/// Voxels that take more bytes are drawn in bricks where there is a pyramid.
+const WHOLE_BYTES: u64 = 512 << 20;
+
+/// What picks the look of a volume in bricks is its finest level of at most so many voxels.
+const LOOK_VOXELS: u64 = 1 << 24;
+
+/// The graph for a volume that is too large to be read whole and has its pyramid beside it.
+fn in_bricks(path: &Path) -> Result<Option<Alone>, Findings> {
+    let of_volume = |error: VolumeError| Findings::from(Finding::from(error));
+    if !pyramid_path(path).exists() {
+        return Ok(None);
+    }
+    let store = BrickStore::open(path, &StoreOptions::default()).map_err(of_volume)?;
+    let voxels = |dims: [u32; 3]| {
+        dims.map(u64::from)
+            .iter()
+            .fold(1, |n: u64, d| n.saturating_mul(*d))
+    };
+    let levels = store.levels();
+    let bytes = voxels(levels[0].grid.dims).saturating_mul(store.scalar_type().size() as u64);
+    // Means of labels are no labels.
+    if bytes <= WHOLE_BYTES || matches!(store.about().values, Values::Labels(_)) {
+        return Ok(None);
+    }
+    let looked = levels
+        .iter()
+        .position(|level| voxels(level.grid.dims) <= LOOK_VOXELS);
+    let looked = looked.unwrap_or(levels.len() - 1);
+    let grid = levels[looked].grid;
+    let voxels = store
+        .read_region(looked, [0; 3], grid.dims)
+        .map_err(of_volume)?;
+    let volume = Volume::new(store.name(), grid, voxels)
+        .map_err(of_volume)?
+        .with_about(store.about().clone());
+    let mut alone = pick(&volume, &path.display().to_string());
+    alone.graph = alone
+        .graph
+        .replacen("volume(path: ", "bricks(path: ", 1)
+        .replace(
+            r#""gradient_method": "sobel""#,
+            r#""gradient": "central", "traverse": "skip""#,
+        );
+    let why = format!(
+        "{}; larger than {} MiB, and so in bricks",
+        alone.why,
+        WHOLE_BYTES >> 20
+    );
+    alone.graph = alone.graph.replacen(&alone.why, &why, 1);
+    alone.why = why;
+    Ok(Some(alone))
 }
 
 /// The volume, and the field that takes one value where there are several and none is a choice of the file's own: their

@@ -27,6 +27,7 @@ pub mod embedded;
 pub mod film;
 pub mod folders;
 mod kept;
+pub mod levels;
 pub mod metadata;
 pub mod methods;
 mod overrides;

@@ -265,10 +265,7 @@ fn unwritten(
         .map(|held| (held.resource, held.written, held.content()))
         .collect();
     let mut taken = shared(&offers, wishes);
-    let contents: Vec<_> = taken
-        .iter()
-        .map(|at| there[(*at)?].content())
-        .collect();
+    let contents: Vec<_> = taken.iter().map(|at| there[(*at)?].content()).collect();
     let running = must_run(plan, fingerprints, &contents);
     for ((id, _), allocation) in &plan.allocation_of {
         if running.contains(id) && !wishes[*allocation].written.is_tiled {

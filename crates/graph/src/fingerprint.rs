@@ -94,7 +94,8 @@ pub fn fingerprints(
                     part(format!("{:?} {origin:?}", view.camera).as_bytes());
                 }
                 // What cannot be said here, recording says.
-                if let Ok(Some(state)) = kind.state(&NodeContext::in_view(graph, id, limits, view)) {
+                if let Ok(Some(state)) = kind.state(&NodeContext::in_view(graph, id, limits, view))
+                {
                     part(&state.token.to_le_bytes());
                 }
                 for (port, link) in &node.inputs {

@@ -162,7 +162,7 @@ fn within_limits(
                     "max_texture_dimension_3d",
                     limits.max_texture_3d,
                     largest,
-                    "crop or downsample the volume, or choose an adapter with a higher limit",
+                    "build its pyramid (`volgraph pyramid`) and draw it in bricks, `bricks(path: \"…\")`; or crop or downsample it",
                 ),
             }
         }

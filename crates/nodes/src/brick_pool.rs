@@ -76,7 +76,11 @@ const SLOTS: &[SlotSpec] = &[EMPTINESS];
 const MOST_SLOTS: u32 = 255;
 
 /// Bricks of the pool along each axis: as many as its memory allows, or as there are.
-fn slots(node: &NodeContext<'_>, source: &BricksSource, encoding: &Encoding) -> Result<[u32; 3], Finding> {
+fn slots(
+    node: &NodeContext<'_>,
+    source: &BricksSource,
+    encoding: &Encoding,
+) -> Result<[u32; 3], Finding> {
     let whole = source.store.edge() + 2;
     let bytes = u64::from(whole).pow(3) * encoding.texel_len() as u64;
     let all: u64 = source
@@ -127,6 +131,7 @@ pub(crate) fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
             "per_texel",
             vec3(slots.map(|n| (f64::from(n) * whole).recip()).into()),
         ),
+        ("texels", vec3(slots.map(|n| f64::from(n) * whole).into())),
     ])
 }
 

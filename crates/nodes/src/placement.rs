@@ -123,26 +123,25 @@ pub(crate) fn encoding_at(node: &NodeContext<'_>, port: &str) -> Result<Encoding
 /// The slots that decide how texels are read, for programs that import `lib/volume.wgsl`: (slot, choice).
 #[must_use]
 pub fn texel_slots(node: &NodeContext<'_>) -> [(String, String); 3] {
-    let texel = if node.limits().shared_samplers && !is_in_bricks(node) {
-        "nearest"
-    } else {
-        "load"
+    let (slot, filter) = filter_slot_at(node, "volume");
+    // Pages are looked up for each sample; the way to filter goes with that.
+    let (volumes, filter, texel) = match (is_in_bricks(node), filter.as_str()) {
+        (true, "loads") => ("paged_loads", "hardware", "load"),
+        (true, _) => ("paged", "hardware", "load"),
+        (false, filter) if node.limits().shared_samplers => ("one", filter, "nearest"),
+        (false, filter) => ("one", filter, "load"),
     };
     [
-        filter_slot_at(node, "volume"),
+        (slot, filter.to_owned()),
         ("volume_texel".to_owned(), texel.to_owned()),
-        ("volumes".to_owned(), volumes_choice(node).to_owned()),
+        ("volumes".to_owned(), volumes.to_owned()),
     ]
 }
 
-/// Whether a node's volume is in bricks.
+/// Whether a node draws a volume in bricks, which a raycast alone can.
 #[must_use]
 pub fn is_in_bricks(node: &NodeContext<'_>) -> bool {
-    node.source::<BricksSource>("volume").is_some()
-}
-
-fn volumes_choice(node: &NodeContext<'_>) -> &'static str {
-    if is_in_bricks(node) { "paged" } else { "one" }
+    node.kind_name() == "raycast" && node.source::<BricksSource>("volume").is_some()
 }
 
 /// The slot `<port>_filter`, which decides how texels of the volume at a port are filtered.

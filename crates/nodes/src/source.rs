@@ -36,54 +36,54 @@ fn transform_param() -> ParamSpec {
 
 /// The fields that name the file of a volume and say what it does not say itself.
 fn volume_file_params() -> Vec<ParamSpec> {
-        vec![
-            ParamSpec::text(
-                "path",
-                "",
-                "The file, folder or pattern (`slices/*.tif`), relative to the graph file.",
-            ),
-            ParamSpec::vector(
-                "dims",
-                &[0.0; 3],
-                "Voxels along x, y, z of a raw file whose name does not say.",
-            ),
-            ParamSpec::text(
-                "type",
-                "",
-                "Scalar type of a raw file whose name does not say, such as uint8.",
-            ),
-            ParamSpec::bool(
-                "big_endian",
-                false,
-                "A raw file has its highest byte first.",
-            ),
-            ParamSpec::vector(
-                "spacing",
-                &[0.0; 3],
-                "Distances between voxels in world units, instead of the file's; a negative one turns its axis around.",
-            ),
-            ParamSpec::vector(
-                "origin",
-                &[0.0; 3],
-                "World position of the first voxel's centre, instead of the file's.",
-            ),
-            transform_param(),
-            ParamSpec::bool(
-                "node_centred",
-                false,
-                "The box spans voxel centre to voxel centre.",
-            ),
-            ParamSpec::text(
-                "component",
-                "",
-                "Which of several values per voxel: its number from 0, `magnitude` or `color`.",
-            ),
-            ParamSpec::text(
-                "part",
-                "",
-                "Which volume of several, by a part of its name: a series of a folder, an array of a group.",
-            ),
-        ]
+    vec![
+        ParamSpec::text(
+            "path",
+            "",
+            "The file, folder or pattern (`slices/*.tif`), relative to the graph file.",
+        ),
+        ParamSpec::vector(
+            "dims",
+            &[0.0; 3],
+            "Voxels along x, y, z of a raw file whose name does not say.",
+        ),
+        ParamSpec::text(
+            "type",
+            "",
+            "Scalar type of a raw file whose name does not say, such as uint8.",
+        ),
+        ParamSpec::bool(
+            "big_endian",
+            false,
+            "A raw file has its highest byte first.",
+        ),
+        ParamSpec::vector(
+            "spacing",
+            &[0.0; 3],
+            "Distances between voxels in world units, instead of the file's; a negative one turns its axis around.",
+        ),
+        ParamSpec::vector(
+            "origin",
+            &[0.0; 3],
+            "World position of the first voxel's centre, instead of the file's.",
+        ),
+        transform_param(),
+        ParamSpec::bool(
+            "node_centred",
+            false,
+            "The box spans voxel centre to voxel centre.",
+        ),
+        ParamSpec::text(
+            "component",
+            "",
+            "Which of several values per voxel: its number from 0, `magnitude` or `color`.",
+        ),
+        ParamSpec::text(
+            "part",
+            "",
+            "Which volume of several, by a part of its name: a series of a folder, an array of a group.",
+        ),
+    ]
 }
 
 /// The given fields of a source, already checked against its kind's specs.

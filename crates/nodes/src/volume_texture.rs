@@ -78,7 +78,9 @@ impl NodeKind for VolumeTexture {
             .map(|source| Arc::clone(&source.volume));
         let bytes = UploadBytes::by_layers(move || {
             let volume = volume.clone();
-            let encoder = volume.as_ref().map(|volume| Encoder::new(encoding, volume.as_ref()));
+            let encoder = volume
+                .as_ref()
+                .map(|volume| Encoder::new(encoding, volume.as_ref()));
             Ok(Box::new(move |layers, texels| {
                 if let (Some(volume), Some(encoder)) = (&volume, &encoder) {
                     let voxels = placement::voxels_of(volume, layers);

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 use clap::{Args as ClapArgs, Parser, Subcommand};
 use volgraph::{AdapterChoice, CameraDesc, Overrides, ParamOverride, ShaderFolders};
 
-pub use accuracy::{AdviseArgs, ReferenceArgs, StressArgs};
+pub use accuracy::{AdviseArgs, LevelsArgs, ReferenceArgs, StressArgs};
 pub use animate::{AnimateArgs, Steps};
 pub use authors::{GalleryArgs, GraphsArgs, NewArgs, NewSlot, SetArgs, TestArgs, TransferArgs};
 pub use bench::BenchArgs;
@@ -91,6 +91,9 @@ pub enum Command {
     /// Voxels are read where they lie, in bounded memory. Each brick of each level is known by its range and by its exact
     /// error against the finest level. An interrupt leaves nothing half-built.
     Pyramid(PyramidArgs),
+    /// Measure what a picture of a volume in bricks loses on each level: a box of it, against the float64 reference of the
+    /// same box at full resolution.
+    Levels(LevelsArgs),
     /// Make a volume of a mesh: the signed distance to its surface, for isosurfaces, glass and clip volumes.
     ///
     /// What is wrong with the mesh (holes, faces that look the other way) is told first.

@@ -15,6 +15,7 @@ mod gallery;
 mod graphs;
 mod html;
 mod info;
+mod levels;
 mod link;
 mod new;
 mod nodes;
@@ -62,6 +63,7 @@ pub fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Info(args) => info::run(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Pyramid(args) => pyramid::run(&args),
+        Command::Levels(args) => levels::run(&args),
         Command::DistanceField(args) => distance_field::run(&args),
         Command::Link(args) => link::run(&args),
         Command::Compare(args) => compare::run(&args),

@@ -23,7 +23,8 @@ fn volumes_place(position: vec3f) -> vec3f {
 
 // The texel at a position, by the device's filter.
 fn volumes_filter(position: vec3f) -> f32 {
-    return textureSampleLevel(brick_pool, linear_sampler, pages_place(position, volume.dims), 0.0).x;
+    let place = pages_place(position, volume.dims) * pages.per_texel;
+    return textureSampleLevel(brick_pool, linear_sampler, place, 0.0).x;
 }
 
 // The texel of a voxel; where the bricks are coarser, what is at its centre.

@@ -3,9 +3,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use volgraph_volume::{
-    About, ScalarType, Trouble, VolumeError, Voxels, drawn, for_scalar_type,
-};
+use volgraph_volume::{About, ScalarType, Trouble, VolumeError, Voxels, drawn, for_scalar_type};
 
 use super::build::level_of;
 use super::cache::ChunkCache;

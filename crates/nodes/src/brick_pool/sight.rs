@@ -71,13 +71,7 @@ impl Sight {
     ///
     /// Light is wrong by how much it changes with the scalar, and by no more than how much it varies over the range. Errors
     /// of one voxel and the next are taken as independent, and what lies deep in what absorbs as not seen.
-    pub fn error(
-        &self,
-        (min, max): (f64, f64),
-        rms: f64,
-        thickness: f64,
-        voxels: f64,
-    ) -> f64 {
+    pub fn error(&self, (min, max): (f64, f64), rms: f64, thickness: f64, voxels: f64) -> f64 {
         let at = |scalar: f64| {
             let place = (scalar - self.low) / self.step;
             #[expect(
@@ -129,7 +123,9 @@ mod tests {
 
     #[test]
     fn what_shows_nothing_is_never_wrong_and_what_is_exact_neither() {
-        let half = sight(r##"(domain: data, color: [(0, "#fff"), (255, "#fff")], extinction: [(100, 0), (200, 1)])"##);
+        let half = sight(
+            r##"(domain: data, color: [(0, "#fff"), (255, "#fff")], extinction: [(100, 0), (200, 1)])"##,
+        );
         assert_eq!(half.error((0.0, 99.0), 10.0, 32.0, 32.0), 0.0);
         assert_eq!(half.error((120.0, 180.0), 0.0, 32.0, 32.0), 0.0);
         // Beyond the ramp all scalars look alike.
@@ -138,7 +134,9 @@ mod tests {
 
     #[test]
     fn a_thin_brick_is_as_wrong_as_its_light() {
-        let ramp = sight(r##"(domain: data, color: [(0, "#fff"), (255, "#fff")], extinction: [(0, 0), (255, 0.001)])"##);
+        let ramp = sight(
+            r##"(domain: data, color: [(0, "#fff"), (255, "#fff")], extinction: [(0, 0), (255, 0.001)])"##,
+        );
         // One voxel: the slope of extinction, the scalar's error and the length.
         let error = ramp.error((0.0, 255.0), 5.0, 2.0, 1.0);
         let truth = SHARE * 0.001 / 255.0 * 5.0 * 2.0;

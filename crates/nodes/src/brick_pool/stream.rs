@@ -228,7 +228,10 @@ impl Stream {
             self.aim.clear();
             self.layout = None;
         }
-        let aim = format!("{:?} {:?} {}", request.view, request.effort, request.is_progressive);
+        let aim = format!(
+            "{:?} {:?} {}",
+            request.view, request.effort, request.is_progressive
+        );
         let Some(scene) = self.scene.as_ref().filter(|_| self.aim != aim) else {
             return false;
         };

@@ -33,14 +33,19 @@ impl Seen {
             (0..z).flat_map(move |k| (0..y).flat_map(move |j| (0..x).map(move |i| [i, j, k])))
         };
         let own: Vec<bool> = each(0)
-            .map(|at| store.brick_info(0, at).is_none_or(|info| sees(info.min, info.max)))
+            .map(|at| {
+                store
+                    .brick_info(0, at)
+                    .is_none_or(|info| sees(info.min, info.max))
+            })
             .collect();
         let mut fine = own.clone();
         for axis in 0..3 {
             let before = fine.clone();
             for (number, at) in each(0).enumerate() {
                 for (is_there, step) in [(at[axis] > 0, -1_isize), (at[axis] + 1 < dims[axis], 1)] {
-                    let beside = number.wrapping_add_signed(step * stride(dims, axis).cast_signed());
+                    let beside =
+                        number.wrapping_add_signed(step * stride(dims, axis).cast_signed());
                     fine[number] |= is_there && before[beside];
                 }
             }
@@ -69,7 +74,9 @@ fn stride(dims: [u32; 3], axis: usize) -> usize {
 
 /// The number of a brick among those of its level.
 pub(super) fn index(dims: [u32; 3], at: [u32; 3]) -> usize {
-    (0..3).map(|axis| at[axis] as usize * stride(dims, axis)).sum()
+    (0..3)
+        .map(|axis| at[axis] as usize * stride(dims, axis))
+        .sum()
 }
 
 /// What a picture needs.
@@ -148,7 +155,9 @@ impl Aim<'_> {
             heap.extend(children.into_iter().map(|brick| self.leaf(brick)));
         }
         let squares: f64 = leaves.iter().map(|leaf| leaf.squares).sum();
-        let pixels = self.view.map_or(1.0, |view| view.size.map(f64::from).iter().product());
+        let pixels = self
+            .view
+            .map_or(1.0, |view| view.size.map(f64::from).iter().product());
         let error = (squares / pixels).sqrt().min(1.0);
         let mut all: Vec<Leaf> = leaves.iter().chain(&split).copied().collect();
         all.sort_by(|a, b| b.brick.level.cmp(&a.brick.level).then_with(|| b.cmp(a)));
@@ -202,7 +211,11 @@ impl Aim<'_> {
             None => {
                 let (low, high) = self.store.statistics().range().unwrap_or((0.0, 1.0));
                 let span = high - low;
-                if span > 0.0 { info.rms_error / span } else { 0.0 }
+                if span > 0.0 {
+                    info.rms_error / span
+                } else {
+                    0.0
+                }
             }
         };
         // Half a voxel is where the outermost samples reach.
@@ -229,7 +242,8 @@ impl Aim<'_> {
         };
         let squares = error * error * area;
         // Without a tolerance all counts that is not exact.
-        let is_right = error <= self.effort.tolerance && (self.effort.tolerance > 0.0 || info.max_error == 0.0);
+        let is_right = error <= self.effort.tolerance
+            && (self.effort.tolerance > 0.0 || info.max_error == 0.0);
         if is_fine || is_right || brick.level <= self.effort.finest {
             return stays(squares);
         }

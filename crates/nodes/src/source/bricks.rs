@@ -73,6 +73,21 @@ pub struct BricksSource {
 }
 
 impl BricksSource {
+    /// A volume in bricks as a source.
+    #[must_use]
+    pub fn new(store: Arc<BrickStore>, effort: Effort, progressive: Progressive) -> Self {
+        let mut hasher = Hasher::new();
+        hasher.part(&store.digest());
+        hasher.part(format!("{effort:?} {:?}", store.levels()[0].grid).as_bytes());
+        Self {
+            store,
+            effort,
+            progressive,
+            digest: hasher.finish(),
+            streams: Mutex::default(),
+        }
+    }
+
     /// What is known of its scalars.
     #[must_use]
     pub fn scalars(&self) -> Scalars {
@@ -145,7 +160,8 @@ impl SourceKind for BricksKind {
             cache_bytes: u64::from(given.uint("cache_mib").unwrap_or(128)) << 20,
             ..StoreOptions::default()
         };
-        let store = BrickStore::open(&path, &options).map_err(|error| Findings::from(Finding::from(error)))?;
+        let store = BrickStore::open(&path, &options)
+            .map_err(|error| Findings::from(Finding::from(error)))?;
         let number = |name: &str, default: f64| match params.get(name) {
             Some(ParamValue::Float(value)) => *value,
             #[expect(clippy::cast_precision_loss, reason = "small whole numbers")]
@@ -158,17 +174,13 @@ impl SourceKind for BricksKind {
             finest: (given.uint("finest").unwrap_or(0) as usize).min(store.levels().len() - 1),
             pool_bytes: u64::from(given.uint("pool_mib").unwrap_or(256)) << 20,
         };
-        let mut hasher = Hasher::new();
-        hasher.part(&store.digest());
-        hasher.part(format!("{effort:?} {:?}", store.levels()[0].grid).as_bytes());
         progress(1, 1);
-        Ok(Arc::new(BricksSource {
-            store: Arc::new(store),
+        let progressive = self.progressive.clone();
+        Ok(Arc::new(BricksSource::new(
+            Arc::new(store),
             effort,
-            progressive: self.progressive.clone(),
-            digest: hasher.finish(),
-            streams: Mutex::default(),
-        }))
+            progressive,
+        )))
     }
 }
 

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use volgraph_engine::{Change, Findings, FrameReport, Gpu, LOOK, Outcome, ParamOverride, Refused, Session};
+use volgraph_engine::{
+    Change, Findings, FrameReport, Gpu, LOOK, Outcome, ParamOverride, Refused, Session,
+};
 
 use super::{Note, Work, told};
 use crate::looked::Looked;

@@ -76,6 +76,24 @@ pub struct StressArgs {
     pub adapter: Option<String>,
 }
 
+/// `volgraph levels`.
+#[derive(ClapArgs, Debug)]
+pub struct LevelsArgs {
+    /// The graph and its changes.
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// The box of the finest level that is drawn, from the first voxel to behind the last one along x, y and z; by default
+    /// 192 voxels along each edge, from the middle.
+    #[arg(long, value_name = "X,Y,Z..X,Y,Z", value_parser = super::volumes::parse_crop)]
+    pub crop: Option<super::volumes::Crop>,
+    /// How the truth is computed.
+    #[command(flatten)]
+    pub truth: TruthArgs,
+    /// Print JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// `volgraph advise`.
 #[derive(ClapArgs, Debug)]
 pub struct AdviseArgs {

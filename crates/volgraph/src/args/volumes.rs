@@ -231,7 +231,7 @@ pub struct Crop {
     pub dims: [u32; 3],
 }
 
-fn parse_crop(text: &str) -> Result<Crop, String> {
+pub(super) fn parse_crop(text: &str) -> Result<Crop, String> {
     let corner = |text: &str| -> Option<[u32; 3]> {
         let numbers: Option<Vec<u32>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
         numbers?.try_into().ok()
