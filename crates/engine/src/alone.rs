@@ -16,6 +16,7 @@ use std::time::SystemTime;
 
 use volgraph_formats::bricks::{BrickStore, StoreOptions, pyramid_path};
 use volgraph_formats::{LoadOptions, parse_raw_name};
+use volgraph_nodes::source::bricks::overview;
 use volgraph_report::{Finding, Findings};
 use volgraph_volume::{Component, Values, Volume, VolumeError};
 
@@ -111,9 +112,6 @@ pub fn graph_for(path: &Path) -> Result<Alone, Findings> {
 /// Voxels that take more bytes are drawn in bricks where there is a pyramid.
 const WHOLE_BYTES: u64 = 512 << 20;
 
-/// What picks the look of a volume in bricks is its finest level of at most so many voxels.
-const LOOK_VOXELS: u64 = 1 << 24;
-
 /// The graph for a volume that is too large to be read whole and has its pyramid beside it.
 fn in_bricks(path: &Path) -> Result<Option<Alone>, Findings> {
     let of_volume = |error: VolumeError| Findings::from(Finding::from(error));
@@ -132,17 +130,7 @@ fn in_bricks(path: &Path) -> Result<Option<Alone>, Findings> {
     if bytes <= WHOLE_BYTES || matches!(store.about().values, Values::Labels(_)) {
         return Ok(None);
     }
-    let looked = levels
-        .iter()
-        .position(|level| voxels(level.grid.dims) <= LOOK_VOXELS);
-    let looked = looked.unwrap_or(levels.len() - 1);
-    let grid = levels[looked].grid;
-    let voxels = store
-        .read_region(looked, [0; 3], grid.dims)
-        .map_err(of_volume)?;
-    let volume = Volume::new(store.name(), grid, voxels)
-        .map_err(of_volume)?
-        .with_about(store.about().clone());
+    let volume = overview(&store).map_err(of_volume)?;
     let mut alone = pick(&volume, &path.display().to_string());
     alone.graph = alone
         .graph
@@ -150,7 +138,8 @@ fn in_bricks(path: &Path) -> Result<Option<Alone>, Findings> {
         .replace(
             r#""gradient_method": "sobel""#,
             r#""gradient": "central", "traverse": "skip""#,
-        );
+        )
+        .replace(r#""step": 0.5"#, r#""step": 1.0"#);
     let why = format!(
         "{}; larger than {} MiB, and so in bricks",
         alone.why,

@@ -3,6 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use volgraph_graph::Digest;
+use volgraph_nodes::source::bricks::BricksSource;
 use volgraph_nodes::source::volume::VolumeSource;
 use volgraph_optics::{Domain, TransferFunction};
 use volgraph_volume::{Histogram, Volume};
@@ -100,17 +101,17 @@ pub(crate) fn visible_share(
     seen as f64 / total.max(1) as f64
 }
 
-/// The first volume of a scene: its name and itself.
+/// The first volume of a scene: its name and itself; of one in bricks, a level that memory holds.
 pub(crate) fn first_volume(
     scene: &volgraph_engine::Scene,
 ) -> Option<(String, Digest, Arc<Volume>)> {
     scene.sources.iter().find_map(|(name, source)| {
-        let source: &VolumeSource = source.as_any().downcast_ref()?;
-        Some((
-            name.clone(),
-            volgraph_graph::Source::digest(source),
-            Arc::clone(&source.volume),
-        ))
+        let any = source.as_any();
+        let volume = match any.downcast_ref::<VolumeSource>() {
+            Some(source) => &source.volume,
+            None => any.downcast_ref::<BricksSource>()?.overview()?,
+        };
+        Some((name.clone(), source.digest(), Arc::clone(volume)))
     })
 }
 

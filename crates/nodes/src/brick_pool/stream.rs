@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 use volgraph_formats::bricks::BrickStore;
@@ -32,8 +32,9 @@ impl Brick {
     }
 }
 
-/// So long reading may take in a frame that is to come at once, in nanoseconds.
-const FRAME_NANOSECONDS: u64 = 60_000_000;
+/// So long reading may take in a frame that is to come at once, and where frames take long.
+const SHORTEST_READ: Duration = Duration::from_millis(60);
+const LONGEST_READ: Duration = Duration::from_secs(1);
 
 /// But so many bricks are read in any case.
 const LEAST_AT_ONCE: u64 = 32;
@@ -103,7 +104,7 @@ struct Scene {
 }
 
 /// A pool.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Stream {
     scene: Option<Scene>,
     /// What the target is for, and what it is.
@@ -118,6 +119,26 @@ pub(super) struct Stream {
     turn: u64,
     /// How many bricks were there when the pool was drawn from last.
     shown: u64,
+    /// When the last layout was made.
+    last: Instant,
+}
+
+impl Default for Stream {
+    fn default() -> Self {
+        Self {
+            scene: None,
+            aim: String::new(),
+            target: Target::default(),
+            slots: [0; 3],
+            places: HashMap::new(),
+            held: Vec::new(),
+            layout: None,
+            pace: Pace::default(),
+            turn: 0,
+            shown: 0,
+            last: Instant::now(),
+        }
+    }
 }
 
 /// No two layouts have the same.
@@ -267,13 +288,17 @@ impl Stream {
         }
         let ready = wanted.len() - missing.len();
         if request.is_progressive {
+            // Where frames take long, as long as half of one: fewer of them are drawn for nothing.
+            let frame = self.last.elapsed().min(LONGEST_READ * 2) / 2;
+            let time = u64::try_from(frame.max(SHORTEST_READ).as_nanos()).unwrap_or(u64::MAX);
             let count = match self.pace.load(Ordering::Relaxed) {
                 // What it takes is not known yet.
                 0 => LEAST_AT_ONCE,
-                each => (FRAME_NANOSECONDS / each).max(LEAST_AT_ONCE),
+                each => (time / each).max(LEAST_AT_ONCE),
             };
             missing.truncate(usize::try_from(count).unwrap_or(usize::MAX));
         }
+        self.last = Instant::now();
         let wanted = wanted.len();
         let ready = ready + missing.len();
         // Places that are free first, then those that were not wanted for longest.

@@ -7,7 +7,7 @@ use std::any::Any;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use glam::DVec3;
 use volgraph_formats::bricks::{BrickStore, StoreOptions};
@@ -15,6 +15,7 @@ use volgraph_graph::fingerprint::Hasher;
 use volgraph_graph::{Digest, Folders, PortType, Progress, Source, SourceKind};
 use volgraph_report::{Finding, Findings};
 use volgraph_shader::{ParamSpec, ParamValue};
+use volgraph_volume::{Volume, VolumeError};
 
 use super::Given;
 use crate::brick_pool::Streams;
@@ -59,6 +60,9 @@ pub struct Effort {
     pub pool_bytes: u64,
 }
 
+/// An overview has at most so many voxels.
+const OVERVIEW_VOXELS: u64 = 1 << 24;
+
 /// A volume in bricks.
 #[derive(Debug)]
 pub struct BricksSource {
@@ -70,6 +74,25 @@ pub struct BricksSource {
     pub progressive: Progressive,
     digest: Digest,
     pub(crate) streams: Mutex<Streams>,
+    overview: OnceLock<Option<Arc<Volume>>>,
+}
+
+/// The finest level of at most 2^24 voxels, whole in memory: what picks a look for the volume, or shows it in planes.
+///
+/// # Errors
+/// What is wrong with its file.
+pub fn overview(store: &BrickStore) -> Result<Volume, VolumeError> {
+    let levels = store.levels();
+    let voxels = |dims: [u32; 3]| {
+        let sides = dims.map(u64::from);
+        sides.iter().fold(1, |n: u64, side| n.saturating_mul(*side))
+    };
+    let small = |dims: [u32; 3]| voxels(dims) <= OVERVIEW_VOXELS;
+    let level = levels.iter().position(|level| small(level.grid.dims));
+    let level = level.unwrap_or(levels.len() - 1);
+    let grid = levels[level].grid;
+    let voxels = store.read_region(level, [0; 3], grid.dims)?;
+    Ok(Volume::new(store.name(), grid, voxels)?.with_about(store.about().clone()))
 }
 
 impl BricksSource {
@@ -85,7 +108,15 @@ impl BricksSource {
             progressive,
             digest: hasher.finish(),
             streams: Mutex::default(),
+            overview: OnceLock::new(),
         }
+    }
+
+    /// Its [`overview`], read once; `None` where its file cannot be read any more.
+    #[must_use]
+    pub fn overview(&self) -> Option<&Arc<Volume>> {
+        let read = || overview(&self.store).ok().map(Arc::new);
+        self.overview.get_or_init(read).as_ref()
     }
 
     /// What is known of its scalars.

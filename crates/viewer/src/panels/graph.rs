@@ -77,7 +77,8 @@ impl GraphPanel {
                             .map(|output| format!("{}: {}", output.port, output.resource))
                             .collect();
                         ui.label(outputs.join("\n"));
-                        ui.label(match report {
+                        let about = report.and_then(|report| report.about.as_deref());
+                        let told = ui.label(match report {
                             Some(report) if report.ran => {
                                 let variant = report
                                     .variant
@@ -91,6 +92,9 @@ impl GraphPanel {
                             Some(_) => "held".to_owned(),
                             None => String::new(),
                         });
+                        if let Some(about) = about {
+                            told.on_hover_text(about);
+                        }
                         ui.horizontal(|ui| {
                             let is_texture = |output: &&PlannedResource| {
                                 matches!(output.resource, ResourceKind::Texture { .. })
