@@ -122,6 +122,28 @@ fn at_the_finest_level_the_picture_is_that_of_the_whole_volume() {
     }
 }
 
+/// A normal beside what is not seen is made of scalars there too.
+#[test]
+fn bricks_beside_what_is_seen_are_as_fine() {
+    let dims = [128, 64, 64];
+    // Stripes one voxel away from a brick in which nothing is seen, and far from everything else.
+    let stage = Stage::new()
+        .with("t.ron", TRANSFER)
+        .with_floats("s", dims, |x, y, _| f32::from(u8::from(x == 65 && y / 2 % 2 == 0)));
+    pyramid(&stage.path().join("s_128x64x64_float32.raw"), 8);
+    let look = r#""classify": "post", "light": "phong", "traverse": "skip""#;
+    let params = r#""step": 0.25, "early_termination": 0.0"#;
+    for backend in adapters() {
+        let whole = graph(r#"volume(path: "s_128x64x64_float32.raw")"#, look, params);
+        let source = format!(r#"bricks(path: "s_128x64x64_float32.raw", {ALL})"#);
+        let whole = draw(&stage, &whole, &backend);
+        let paged = draw(&stage, &graph(&source, look, params), &backend);
+        assert!(whole.color.iter().any(|color| color[3] > 0.1));
+        let error = largest(&whole, &paged);
+        assert!(error <= 1e-4, "{backend}: {error}");
+    }
+}
+
 /// A level alone is the picture of that level as a volume, but for the segments, which are as long as its voxels.
 #[test]
 fn a_coarser_level_is_drawn_as_what_it_is() {
