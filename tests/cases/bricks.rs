@@ -129,7 +129,9 @@ fn bricks_beside_what_is_seen_are_as_fine() {
     // Stripes one voxel away from a brick in which nothing is seen, and far from everything else.
     let stage = Stage::new()
         .with("t.ron", TRANSFER)
-        .with_floats("s", dims, |x, y, _| f32::from(u8::from(x == 65 && y / 2 % 2 == 0)));
+        .with_floats("s", dims, |x, y, _| {
+            f32::from(u8::from(x == 65 && y / 2 % 2 == 0))
+        });
     pyramid(&stage.path().join("s_128x64x64_float32.raw"), 8);
     let look = r#""classify": "post", "light": "phong", "traverse": "skip""#;
     let params = r#""step": 0.25, "early_termination": 0.0"#;

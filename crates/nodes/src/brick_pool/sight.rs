@@ -124,7 +124,7 @@ mod tests {
     #[test]
     fn what_shows_nothing_is_never_wrong_and_what_is_exact_neither() {
         let half = sight(
-            r##"(domain: data, color: [(0, "#fff"), (255, "#fff")], extinction: [(100, 0), (200, 1)])"##,
+            r##"(domain: data, color: [(0, "#ffffff"), (255, "#ffffff")], extinction: [(100, 0), (200, 1)])"##,
         );
         assert_eq!(half.error((0.0, 99.0), 10.0, 32.0, 32.0), 0.0);
         assert_eq!(half.error((120.0, 180.0), 0.0, 32.0, 32.0), 0.0);
@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn a_thin_brick_is_as_wrong_as_its_light() {
         let ramp = sight(
-            r##"(domain: data, color: [(0, "#fff"), (255, "#fff")], extinction: [(0, 0), (255, 0.001)])"##,
+            r##"(domain: data, color: [(0, "#ffffff"), (255, "#ffffff")], extinction: [(0, 0), (255, 0.001)])"##,
         );
         // One voxel: the slope of extinction, the scalar's error and the length.
         let error = ramp.error((0.0, 255.0), 5.0, 2.0, 1.0);

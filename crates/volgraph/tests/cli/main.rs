@@ -6,6 +6,7 @@ mod animate;
 mod bad_input;
 mod bench;
 mod breaks;
+mod bricks;
 mod cases;
 mod chart;
 mod commands;
