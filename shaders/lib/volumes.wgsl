@@ -27,6 +27,11 @@ fn volumes_is_nearest(index: u32) -> bool {
     return volumes.rows[index].is_nearest != 0u;
 }
 
+// How many voxels wide the samples are that are read at a position.
+fn volumes_grain(position: vec3f) -> f32 {
+    return 1.0;
+}
+
 // Where a texture is filtered: at the point, or in the middle of its voxel where scalars hold for whole voxels.
 fn volumes_place(position: vec3f) -> vec3f {
     if !volumes_is_nearest(volumes_chosen) {

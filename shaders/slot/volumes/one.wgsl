@@ -15,6 +15,11 @@ fn volumes_is_nearest(index: u32) -> bool {
     return false;
 }
 
+// How many voxels wide the samples are that are read at a position.
+fn volumes_grain(position: vec3f) -> f32 {
+    return 1.0;
+}
+
 // Where a texture is filtered.
 fn volumes_place(position: vec3f) -> vec3f {
     return position;

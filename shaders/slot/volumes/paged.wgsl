@@ -16,6 +16,11 @@ fn volumes_is_nearest(index: u32) -> bool {
     return false;
 }
 
+// How many voxels wide the samples are that are read at a position.
+fn volumes_grain(position: vec3f) -> f32 {
+    return f32(1u << pages_at(bricks_at(position * bricks.per_texture)).level);
+}
+
 // Where a texture is filtered.
 fn volumes_place(position: vec3f) -> vec3f {
     return position;
