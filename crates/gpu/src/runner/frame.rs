@@ -73,7 +73,7 @@ impl Runner {
         let contents: Vec<_> = installation
             .held
             .iter()
-            .map(|held| held.content())
+            .map(crate::pool::Held::content)
             .collect();
         let running = must_run(&plan, &fingerprints, &contents);
         let mut recording = Recording::new(self.encoder(), Timer::new(&self.gpu, running.len()));
