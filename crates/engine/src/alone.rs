@@ -118,7 +118,10 @@ fn in_bricks(path: &Path) -> Result<Option<Alone>, Findings> {
     if !pyramid_path(path).exists() {
         return Ok(None);
     }
-    let store = BrickStore::open(path, &StoreOptions::default()).map_err(of_volume)?;
+    // A pyramid of another state or choice of the file is no reason not to draw the file itself.
+    let Ok(store) = BrickStore::open(path, &StoreOptions::default()) else {
+        return Ok(None);
+    };
     let voxels = |dims: [u32; 3]| {
         dims.map(u64::from)
             .iter()
@@ -140,6 +143,12 @@ fn in_bricks(path: &Path) -> Result<Option<Alone>, Findings> {
             r#""gradient": "central", "traverse": "skip""#,
         )
         .replace(r#""step": 0.5"#, r#""step": 1.0"#);
+    if !alone.graph.contains(r#""gradient": "#) {
+        // Stored gradients are of whole volumes.
+        alone.graph = alone
+            .graph
+            .replacen("slots: { ", r#"slots: { "gradient": "central", "#, 1);
+    }
     let why = format!(
         "{}; larger than {} MiB, and so in bricks",
         alone.why,

@@ -123,7 +123,8 @@ pub fn measure(
             tolerance: 0.0,
             pixels: 0.0,
             finest: level,
-            ..bricks.effort
+            // Whatever the graph allows, the box is drawn whole.
+            pool_bytes: u64::MAX,
         };
         let source = BricksSource::new(Arc::clone(&cropped), effort, Progressive::default());
         let mut session = Session::start(with(Arc::new(source)), Arc::clone(gpu), options)?;

@@ -58,6 +58,14 @@ impl<'a> VolumeReader<'a> {
 
     fn new(path: PathBuf, opened: Opened<'a>, options: &LoadOptions) -> Result<Self, VolumeError> {
         let contents = &opened.contents;
+        let has_levels = contents.about.format.contains("Zarr");
+        if options.level.is_some_and(|level| level > 0) && !has_levels {
+            let trouble = Trouble::new(
+                "a file of one level is asked for another",
+                "leave the option `level` out, or take the pyramid's folder",
+            );
+            return Err(VolumeError::Option(trouble).in_file(&path));
+        }
         let checked = || {
             let on_sizes = |error: VolumeError| error.on_line(contents.sizes_line);
             options

@@ -38,7 +38,8 @@ pub struct Held {
 struct Content {
     /// The fingerprint of all of it: (writer's fingerprint, output port).
     whole: Option<(Digest, String)>,
-    /// Of what is filled in tiles, which ones it has, by where they start.
+    /// Of what is filled in tiles, how large they are, and which ones it has, by where they start.
+    tile: Extent,
     tiles: BTreeMap<Extent, TileTag>,
 }
 
@@ -64,8 +65,18 @@ impl Held {
         // A clone that another installation relies on holds what it held.
         self.content = Arc::new(Mutex::new(Content {
             whole,
-            tiles: BTreeMap::new(),
+            ..Content::default()
         }));
+    }
+
+    /// Takes note of how large tiles are from now on: others overlap with them.
+    pub(crate) fn set_tile_extent(&self, extent: Extent) {
+        self.with_content(|content| {
+            if content.tile != extent {
+                content.tile = extent;
+                content.tiles.clear();
+            }
+        });
     }
 
     /// Whether a tile that starts here is there.

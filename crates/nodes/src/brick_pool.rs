@@ -1,14 +1,15 @@
 //! `brick_pool`: a volume in bricks on the device: those that a picture needs, and a table that says where they are.
 //!
-//! The way of a brick: [`target`] walks the pyramid from its top and splits the brick whose refinement is expected to better
+//! The way of a brick: `target` walks the pyramid from its top and splits the brick whose refinement is expected to better
 //! the picture most, until no brick's estimated error is above the source's tolerance, no voxel larger than its pixels, or
-//! the pool full; [`stream`] keeps what is in the pool from frame to frame, gives each new brick a place, and draws the page
+//! the pool full; `stream` keeps what is in the pool from frame to frame and gives each new brick a place; `layout` draws the page
 //! table (Hadwiger et al. 2012, Fogal et al. 2013); the pass of tiles reads from disk those that are not on the device yet.
-//! What is seen follows the transfer function ([`sight`]): of bricks in which nothing absorbs no finer level is read.
+//! What is seen follows the transfer function (`sight`): of bricks in which nothing absorbs no finer level is read.
 //!
 //! A picture is whole at once, or, where the source is progressive, starts from coarse levels and gets better from frame to
 //! frame. Both end with the same bricks, whatever was seen before.
 
+mod layout;
 mod sight;
 mod stream;
 mod target;
@@ -23,8 +24,10 @@ use volgraph_report::Finding;
 use volgraph_shader::ParamSpec;
 use wgpu_types::TextureFormat;
 
+use self::layout::Layout;
 pub(crate) use self::stream::Streams;
-use self::stream::{Brick, Layout, Request};
+use self::stream::{Brick, Request};
+use crate::brick_ranges::margin;
 use crate::distance_map::{EMPTINESS, absorbing};
 use crate::encoding::{Encoder, Encoding};
 use crate::placement::{f32_value, placed, vec3};
@@ -70,7 +73,14 @@ const OUTPUTS: &[OutputPort] = &[
     },
 ];
 
-const SLOTS: &[SlotSpec] = &[EMPTINESS];
+const SLOTS: &[SlotSpec] = &[
+    EMPTINESS,
+    SlotSpec {
+        name: "reconstruct",
+        default: "trilinear",
+        doc: "What is the scalar at a point?",
+    },
+];
 
 /// Bricks of the pool along an axis, which a page tells in eight bits.
 const MOST_SLOTS: u32 = 255;
@@ -135,6 +145,31 @@ pub(crate) fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     ])
 }
 
+/// Whether a raycast reads pool and pages of one node, which is of its own volume.
+///
+/// # Errors
+/// `bad-input` where it does not.
+pub(crate) fn check(node: &NodeContext<'_>) -> Result<(), Finding> {
+    let (Some(pool), Some(pages)) = (node.writer("brick_pool"), node.writer("page_table")) else {
+        return Ok(());
+    };
+    let is_of = |writer: &NodeContext<'_>| {
+        let sources = (node.shared_source("volume"), writer.shared_source("volume"));
+        matches!(sources, (Some(own), Some(its)) if Arc::ptr_eq(&own, &its))
+    };
+    if pool.name() == pages.name() && is_of(&pool) {
+        return Ok(());
+    }
+    let message = format!(
+        "its bricks are of `{}` and its pages of `{}`, and not both of one `brick_pool` of its own volume",
+        pool.name(),
+        pages.name()
+    );
+    Err(node
+        .error("bad-input", message)
+        .help("connect neither: a pool is made for it"))
+}
+
 fn known<'g>(node: &NodeContext<'g>) -> Result<(&'g BricksSource, Encoding), Finding> {
     let source = node.source::<BricksSource>("volume").ok_or_else(|| {
         node.error("missing-input", "its input `volume` is no volume in bricks")
@@ -152,8 +187,10 @@ fn layout(node: &NodeContext<'_>) -> Result<(Arc<Layout>, State), Finding> {
     let has_others = node
         .source::<SegmentsSource>("segments")
         .is_some_and(|segments| !segments.transfers.is_empty());
-    let spans = match node.slot("emptiness") {
-        "transfer" => Some(absorbing(node)?),
+    // Where scalars may leave the range of the voxels around, bricks tell nothing.
+    let margin = margin(node.slot("reconstruct"));
+    let spans = match (node.slot("emptiness"), margin) {
+        ("transfer", Some(_)) => Some(absorbing(node)?),
         _ => None,
     };
     let request = Request {
@@ -164,6 +201,7 @@ fn layout(node: &NodeContext<'_>) -> Result<(Arc<Layout>, State), Finding> {
         encoding,
         view,
         spans,
+        reaches_far: margin.is_some_and(|margin| margin > 1),
         // What labels with others would show is not known.
         transfer: transfer
             .filter(|_| !has_others && node.slot("emptiness") == "transfer")
@@ -246,7 +284,7 @@ impl NodeKind for BrickPool {
             let layout = Arc::clone(&layout);
             move |at: &[usize], bytes: &mut [u8]| {
                 let bricks: Vec<Brick> = at.iter().map(|at| layout.bricks[*at]).collect();
-                stream::read(&store, &encoder, &bricks, texels, bytes, &layout.pace)
+                layout::read(&store, &encoder, &bricks, texels, bytes, &layout.pace)
             }
         };
         Ok(vec![

@@ -74,7 +74,7 @@ pub fn volume<'g>(node: &NodeContext<'g>, port: &str) -> Result<&'g Volume, Find
                     "in-bricks",
                     format!("its input `{port}` is a volume in bricks, and it reads volumes that are whole in memory"),
                 )
-                .help("draw it with a `raycast` whose gradients are `central`, without labels, or read one of its levels whole: `volume(path: \"…\", level: 2)`"),
+                .help("draw it with a `raycast` whose gradients are `central`, without labels, or read one of its coarser levels whole: `volume(path: \"NAME.pyramid.zarr\")`"),
             None => node.error(
                 "missing-input",
                 format!("its input `{port}` is not a volume"),
@@ -100,7 +100,9 @@ pub fn encoding(node: &NodeContext<'_>) -> Result<Encoding, Finding> {
 /// How the volume at the port `<port>` is stored by the writer of `<port>_texture`.
 pub(crate) fn encoding_at(node: &NodeContext<'_>, port: &str) -> Result<Encoding, Finding> {
     // Before the demand phase there is no writer yet; it will get this node's own storage parameter.
-    let storage = node.writer(&format!("{port}_texture")).map_or_else(
+    let writer = node.writer(&format!("{port}_texture"));
+    let pool = || node.writer("brick_pool").filter(|_| port == "volume");
+    let storage = writer.or_else(pool).map_or_else(
         || node.text(&format!("{port}_storage")),
         |writer| writer.text("volume_storage"),
     );

@@ -296,6 +296,7 @@ impl NodeKind for Raycast {
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         check_walk(node)?;
         brick_proxy::check(node)?;
+        brick_pool::check(node)?;
         if node.is_connected("behind")
             && node.input_resource("behind") != node.output_resource("color")
         {

@@ -62,9 +62,9 @@ pub(crate) struct Scale {
 }
 
 impl Scale {
-    /// Of this transfer function over this volume.
-    pub fn of(transfer: &TransferFunction, volume: &Volume) -> Self {
-        let data = volume.statistics().range().unwrap_or((0.0, 1.0));
+    /// Of this transfer function over this volume, whose values have this range: of one in bricks, that of all levels.
+    pub fn of(transfer: &TransferFunction, volume: &Volume, range: Option<(f64, f64)>) -> Self {
+        let data = range.unwrap_or((0.0, 1.0));
         let (low, high) = match transfer.domain() {
             Domain::Data => (0.0, 1.0),
             Domain::Range => data,
@@ -99,6 +99,17 @@ pub(crate) fn visible_share(
     });
     let seen: u64 = seen.map(|(_, count)| count).sum();
     seen as f64 / total.max(1) as f64
+}
+
+/// The range of all finite values of the first volume of a scene.
+pub(crate) fn first_range(scene: &volgraph_engine::Scene) -> Option<(f64, f64)> {
+    scene.sources.values().find_map(|source| {
+        let any = source.as_any();
+        match any.downcast_ref::<VolumeSource>() {
+            Some(source) => source.volume.statistics().range(),
+            None => any.downcast_ref::<BricksSource>()?.scalars().range,
+        }
+    })
 }
 
 /// The first volume of a scene: its name and itself; of one in bricks, a level that memory holds.

@@ -243,9 +243,15 @@ impl Work {
                             "opened in {:.0} ms",
                             start.elapsed().as_secs_f64() * 1e3
                         ));
+                        let is_done = frame.progress.is_whole();
+                        self.is_kept_later = !is_done;
                         self.tell(|told| {
                             told.frame = Some(frame);
-                            told.keep(picture);
+                            if is_done {
+                                told.keep(picture);
+                            } else {
+                                told.refined = Some(Arc::new(picture));
+                            }
                             told.note(note);
                         });
                         self.show(warnings);

@@ -110,8 +110,10 @@ impl Session {
                 corner: *corner,
             });
             let report = self.runner.frame(&mut installation, &view)?;
-            if hazards.is_empty() {
-                hazards = report.all_warnings();
+            for warning in report.all_warnings() {
+                if !(&hazards).into_iter().any(|known| known == &warning) {
+                    hazards.push(warning);
+                }
             }
             let scene = &self.state.scene;
             let part = self::picture(&self.runner, &installation, scene, &view, has_layers)?;

@@ -55,6 +55,7 @@ impl Runner {
         let texel = format.block_copy_size(None).unwrap_or(4);
         let [width, height, depth] = tiles.extent;
         let bytes = (width * height * depth * texel) as usize;
+        held.set_tile_extent(tiles.extent);
         let missing: Vec<usize> = (0..tiles.tiles.len())
             .filter(|at| {
                 let (origin, tag) = tiles.tiles[*at];

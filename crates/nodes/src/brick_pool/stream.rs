@@ -2,18 +2,18 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use rayon::prelude::*;
 use volgraph_formats::bricks::BrickStore;
-use volgraph_graph::{Extent, State, StateProgress, TileTag, View};
+use volgraph_graph::{State, StateProgress, View};
 use volgraph_optics::TransferFunction;
 use volgraph_report::{Finding, Findings};
 
+use super::layout::{Layout, Pace};
 use super::sight::Sight;
-use super::target::{Aim, Seen, Target, index};
-use crate::encoding::{Encoder, Encoding, Scalars};
+use super::target::{Aim, Seen, Target};
+use crate::encoding::{Encoding, Scalars};
 use crate::source::bricks::Effort;
 
 /// A brick of a level.
@@ -24,7 +24,7 @@ pub(super) struct Brick {
 }
 
 impl Brick {
-    fn parent(self) -> Self {
+    pub fn parent(self) -> Self {
         Self {
             level: self.level + 1,
             at: self.at.map(|n| n / 2),
@@ -39,13 +39,6 @@ const LONGEST_READ: Duration = Duration::from_secs(1);
 /// But so many bricks are read in any case.
 const LEAST_AT_ONCE: u64 = 32;
 
-/// What of a brick of a page table is not its level.
-const UNSEEN: u8 = 128;
-const ALL_UNSEEN: u8 = 64;
-
-/// How long a brick has taken to be read, in nanoseconds; shared by all that read one volume.
-pub(super) type Pace = Arc<AtomicU64>;
-
 /// What is asked for.
 pub(super) struct Request<'a> {
     pub store: &'a BrickStore,
@@ -56,32 +49,9 @@ pub(super) struct Request<'a> {
     pub view: Option<View>,
     /// Of which scalars something is seen; of all where it is not known.
     pub spans: Option<Vec<(f64, f64)>>,
+    /// Whether scalars in a brick are made of voxels farther away than its range tells of.
+    pub reaches_far: bool,
     pub transfer: Option<&'a TransferFunction>,
-}
-
-/// What is in a pool and in its page table.
-#[derive(Debug)]
-pub(super) struct Layout {
-    token: u64,
-    /// A texel for each brick of the finest level: place along x, y, z; level and what is seen.
-    pub pages: Vec<[u8; 4]>,
-    /// The bricks of the pool, and their texels.
-    pub bricks: Vec<Brick>,
-    pub tiles: Arc<Vec<(Extent, TileTag)>>,
-    pub pace: Pace,
-    progress: StateProgress,
-    is_recorded: AtomicBool,
-}
-
-impl Layout {
-    /// Once it is drawn from, the next one may follow.
-    pub fn note_recorded(&self) {
-        self.is_recorded.store(true, Ordering::Relaxed);
-    }
-
-    fn is_whole(&self) -> bool {
-        self.progress.ready == self.progress.wanted
-    }
 }
 
 /// The pools of a volume, by the name of the node that keeps one.
@@ -141,27 +111,24 @@ impl Default for Stream {
     }
 }
 
-/// No two layouts have the same.
-static TOKENS: AtomicU64 = AtomicU64::new(1);
-
 impl Stream {
     /// What the pool has for a request, and how far that is. As long as the last layout was not drawn from it stays.
     pub fn layout(&mut self, request: &Request<'_>) -> (Arc<Layout>, State) {
         self.look(request);
         let is_news = self.aim_at(request);
-        if is_news {
-            self.shown = 0;
-        }
-        let stays = self.layout.as_ref().filter(|layout| {
-            !is_news && (layout.is_whole() || !layout.is_recorded.load(Ordering::Relaxed))
-        });
-        let layout = match stays {
-            Some(layout) => Arc::clone(layout),
-            None => self.next(request),
+        let last = self.layout.as_ref().filter(|_| !is_news);
+        self.shown = match last {
+            Some(last) if last.is_recorded() => last.progress.ready,
+            Some(_) => self.shown,
+            None => 0,
+        };
+        let waits = |last: &&Arc<Layout>| request.is_progressive && !last.is_recorded();
+        let layout = match last.filter(|last| last.is_whole() || waits(last)) {
+            Some(last) => Arc::clone(last),
+            None => self.next(request, is_news),
         };
         let StateProgress { ready, wanted } = layout.progress;
-        let ready = if layout.is_recorded.load(Ordering::Relaxed) {
-            self.shown = ready;
+        let ready = if layout.is_recorded() {
             ready
         } else {
             self.shown.min(wanted.saturating_sub(1))
@@ -208,7 +175,13 @@ impl Stream {
     /// Finds what is seen, where that has changed.
     fn look(&mut self, request: &Request<'_>) {
         let transfer = request.transfer.map(TransferFunction::digest);
-        let key = format!("{:?} {transfer:?} {:?}", request.spans, request.encoding);
+        let Request {
+            spans,
+            encoding,
+            reaches_far,
+            ..
+        } = request;
+        let key = format!("{spans:?} {transfer:?} {encoding:?} {reaches_far}");
         if self.scene.as_ref().is_some_and(|scene| scene.key == key) {
             return;
         }
@@ -229,7 +202,7 @@ impl Stream {
         };
         let voxel = request.store.levels()[0].grid.min_spacing();
         self.scene = Some(Scene {
-            seen: Seen::new(request.store, sees),
+            seen: Seen::new(request.store, sees, request.reaches_far),
             sight: request
                 .transfer
                 .map(|transfer| Sight::new(transfer, scalars, voxel)),
@@ -272,7 +245,7 @@ impl Stream {
     }
 
     /// The next layout: more of what is wanted, or all of it.
-    fn next(&mut self, request: &Request<'_>) -> Arc<Layout> {
+    fn next(&mut self, request: &Request<'_>, is_news: bool) -> Arc<Layout> {
         self.turn += 1;
         let wanted = if request.is_progressive {
             &self.target.all
@@ -288,8 +261,12 @@ impl Stream {
         }
         let ready = wanted.len() - missing.len();
         if request.is_progressive {
-            // Where frames take long, as long as half of one: fewer of them are drawn for nothing.
-            let frame = self.last.elapsed().min(LONGEST_READ * 2) / 2;
+            // Where frames take long, as long as half of one: fewer of them are drawn for nothing. The first comes at once.
+            let frame = if is_news {
+                Duration::ZERO
+            } else {
+                self.last.elapsed().min(LONGEST_READ * 2) / 2
+            };
             let time = u64::try_from(frame.max(SHORTEST_READ).as_nanos()).unwrap_or(u64::MAX);
             let count = match self.pace.load(Ordering::Relaxed) {
                 // What it takes is not known yet.
@@ -313,101 +290,33 @@ impl Stream {
             self.held[place].1 = self.turn;
             self.places.insert(brick, place);
         }
-        let layout = Arc::new(self.drawn(request, ready as u64, wanted as u64));
+        let progress = StateProgress {
+            ready: ready as u64,
+            wanted: wanted as u64,
+        };
+        let layout = Arc::new(self.drawn(request.store, progress));
         self.layout = Some(Arc::clone(&layout));
         layout
     }
-
-    fn drawn(&self, request: &Request<'_>, ready: u64, wanted: u64) -> Layout {
-        let store = request.store;
-        let whole = store.edge() + 2;
-        let key = u64::from_le_bytes(store.digest()[..8].try_into().unwrap_or_default());
-        let mut bricks = Vec::new();
-        let mut tiles = Vec::new();
-        for (place, (brick, turn)) in self.held.iter().enumerate() {
-            // What is not wanted now need not be there.
-            let Some(brick) = brick.filter(|_| *turn == self.turn) else {
-                continue;
-            };
-            let origin = self.slot(place).map(|n| u32::from(n) * whole);
-            let number = index(store.levels()[brick.level].bricks, brick.at) as u64;
-            bricks.push(brick);
-            tiles.push((origin, [key, (brick.level as u64) << 56 | number]));
-        }
-        Layout {
-            token: TOKENS.fetch_add(1, Ordering::Relaxed),
-            pages: self.pages(store),
-            bricks,
-            tiles: Arc::new(tiles),
-            pace: Arc::clone(&self.pace),
-            progress: StateProgress { ready, wanted },
-            is_recorded: AtomicBool::new(false),
-        }
-    }
-
-    /// Bricks of the pool before a place along x, y and z.
-    fn slot(&self, place: usize) -> [u8; 3] {
-        let [x, y, _] = self.slots.map(|n| n.max(1) as usize);
-        [place % x, place / x % y, place / (x * y)].map(|n| u8::try_from(n).unwrap_or(u8::MAX))
-    }
-
-    fn pages(&self, store: &BrickStore) -> Vec<[u8; 4]> {
-        let dims = store.levels()[0].bricks;
-        let mut pages = vec![[0; 4]; dims.map(|n| n as usize).iter().product()];
-        let own = self.scene.as_ref().map_or(&[][..], |scene| &scene.seen.own);
-        for leaf in &self.target.leaves {
-            let mut holder = *leaf;
-            while !self.places.contains_key(&holder) && holder.level + 1 < store.levels().len() {
-                holder = holder.parent();
-            }
-            let [x, y, z] = self.slot(self.places.get(&holder).copied().unwrap_or(0));
-            let along = |axis: usize| {
-                let first = leaf.at[axis] << leaf.level;
-                first..(first + (1 << leaf.level)).min(dims[axis])
-            };
-            let rows = || along(2).flat_map(|k| along(1).map(move |j| (j, k)));
-            let is_seen = |at: [u32; 3]| own.get(index(dims, at)).copied().unwrap_or(true);
-            let is_any_seen = rows().any(|(j, k)| along(0).any(|i| is_seen([i, j, k])));
-            // What is drawn from a coarser brick for now is looked at cell by cell.
-            let unseen = if is_any_seen || holder != *leaf {
-                UNSEEN
-            } else {
-                UNSEEN | ALL_UNSEEN
-            };
-            let level = u8::try_from(holder.level).unwrap_or(0);
-            for (j, k) in rows() {
-                for i in along(0) {
-                    let flags = if is_seen([i, j, k]) { 0 } else { unseen };
-                    pages[index(dims, [i, j, k])] = [x, y, z, level | flags];
-                }
-            }
-        }
-        pages
-    }
 }
 
-/// Fills the texels of some bricks, one after the other.
-pub(super) fn read(
-    store: &BrickStore,
-    encoder: &Encoder,
-    bricks: &[Brick],
-    texels: usize,
-    bytes: &mut [u8],
-    pace: &Pace,
-) -> Result<(), Finding> {
-    let start = Instant::now();
-    let each = bytes.len() / bricks.len().max(1);
-    bytes
-        .par_chunks_exact_mut(each.max(1))
-        .zip(bricks)
-        .try_for_each(|(bytes, brick)| {
-            let voxels = store
-                .read_brick(brick.level, brick.at)
-                .map_err(Finding::from)?;
-            encoder.fill(&voxels, 0..texels, bytes);
-            Ok::<(), Finding>(())
-        })?;
-    let took = start.elapsed().as_nanos() / bricks.len().max(1) as u128;
-    pace.store(u64::try_from(took).unwrap_or(u64::MAX), Ordering::Relaxed);
-    Ok(())
+impl Stream {
+    /// What the places hold now.
+    fn drawn(&self, store: &BrickStore, progress: StateProgress) -> Layout {
+        let holds = |(place, (brick, turn)): (usize, &(Option<Brick>, u64))| {
+            // What is not wanted now need not be there.
+            brick
+                .filter(|_| *turn == self.turn)
+                .map(|brick| (place, brick))
+        };
+        Layout::new(
+            store,
+            self.slots,
+            self.held.iter().enumerate().filter_map(holds),
+            &self.target.leaves,
+            self.scene.as_ref().map_or(&[], |scene| &scene.seen.own),
+            progress,
+            &self.pace,
+        )
+    }
 }

@@ -24,32 +24,23 @@ pub(super) struct Seen {
 }
 
 impl Seen {
-    /// By whether something is seen of each brick of the finest level.
-    pub fn new(store: &BrickStore, sees: impl Fn(f64, f64) -> bool) -> Self {
+    /// By whether something is seen of a range of scalars. Where scalars are made of voxels farther away than the brick's
+    /// apron, it is seen in those beside a brick as well.
+    pub fn new(store: &BrickStore, sees: impl Fn(f64, f64) -> bool, reaches_far: bool) -> Self {
         let levels = store.levels();
         let dims = levels[0].bricks;
         let each = |level: usize| {
             let [x, y, z] = levels[level].bricks;
             (0..z).flat_map(move |k| (0..y).flat_map(move |j| (0..x).map(move |i| [i, j, k])))
         };
-        let own: Vec<bool> = each(0)
-            .map(|at| {
-                store
-                    .brick_info(0, at)
-                    .is_none_or(|info| sees(info.min, info.max))
-            })
+        let ranges = each(0).map(|at| store.brick_info(0, at));
+        let mut own: Vec<bool> = ranges
+            .map(|info| info.is_none_or(|info| sees(info.min, info.max)))
             .collect();
-        let mut fine = own.clone();
-        for axis in 0..3 {
-            let before = fine.clone();
-            for (number, at) in each(0).enumerate() {
-                for (is_there, step) in [(at[axis] > 0, -1_isize), (at[axis] + 1 < dims[axis], 1)] {
-                    let beside =
-                        number.wrapping_add_signed(step * stride(dims, axis).cast_signed());
-                    fine[number] |= is_there && before[beside];
-                }
-            }
+        if reaches_far {
+            own = beside(own, dims);
         }
+        let fine = beside(own.clone(), dims);
         let mut around = vec![fine];
         for level in 1..levels.len() {
             let (coarse, finer) = (levels[level].bricks, levels[level - 1].bricks);
@@ -66,6 +57,20 @@ impl Seen {
     fn is_around(&self, store: &BrickStore, brick: Brick) -> bool {
         self.around[brick.level][index(store.levels()[brick.level].bricks, brick.at)]
     }
+}
+
+/// The same for bricks and all 26 beside each.
+fn beside(mut bricks: Vec<bool>, dims: [u32; 3]) -> Vec<bool> {
+    for axis in 0..3 {
+        let before = bricks.clone();
+        let stride = stride(dims, axis);
+        for (number, brick) in bricks.iter_mut().enumerate() {
+            let at = number / stride % dims[axis] as usize;
+            *brick |= at > 0 && before[number - stride];
+            *brick |= at + 1 < dims[axis] as usize && before[number + stride];
+        }
+    }
+    bricks
 }
 
 fn stride(dims: [u32; 3], axis: usize) -> usize {

@@ -18,6 +18,8 @@ use crate::worker::Request;
 pub(crate) struct TransferSight<'a> {
     /// The volume that is classified.
     pub volume: &'a Volume,
+    /// The range of its values.
+    pub range: Option<(f64, f64)>,
     /// Its histogram, once it is counted.
     pub counted: Option<&'a Counted>,
 }
@@ -29,7 +31,7 @@ pub(crate) fn show(
     is_log: &mut bool,
 ) -> Vec<Request> {
     let mut requests = Vec::new();
-    let scale = Scale::of(&edit.transfer, sight.volume);
+    let scale = Scale::of(&edit.transfer, sight.volume, sight.range);
     bar(ui, edit, sight, scale, is_log, &mut requests);
     requests.extend(curve(ui, edit, sight, scale, *is_log));
     requests.extend(selected(ui, edit, scale));

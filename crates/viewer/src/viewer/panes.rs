@@ -6,7 +6,7 @@ use egui::Ui;
 use egui_tiles::{Behavior, SimplificationOptions, TileId, Tiles, Tree, UiResponse};
 
 use crate::blit::Shot;
-use crate::histogram::{Histograms, first_volume};
+use crate::histogram::{Histograms, first_range, first_volume};
 use crate::panels::graph::GraphPanel;
 use crate::panels::slices::SlicesPanel;
 use crate::panels::transfer::TransferSight;
@@ -160,6 +160,7 @@ impl Panels {
         let counted = self.histograms.of(digest, &volume, ui.ctx());
         let sight = TransferSight {
             volume: &volume,
+            range: first_range(scene),
             counted: counted.as_ref().and_then(|counted| counted.get()),
         };
         transfer::show(ui, edit, &sight, &mut settings.is_log)

@@ -41,7 +41,9 @@ impl Work {
                 self.learn(drawn.report.stages.draw_ms);
                 let is_whole = self.drawn_size == self.full;
                 self.is_kept_later |= keeps_picture;
-                let keeps_now = is_whole && std::mem::take(&mut self.is_kept_later);
+                // Of bricks that are still to come, a picture is not kept for comparisons.
+                let is_done = is_whole && drawn.report.frame.progress.is_whole();
+                let keeps_now = is_done && std::mem::take(&mut self.is_kept_later);
                 if !is_whole {
                     self.moved = Some(Instant::now());
                 }
@@ -166,14 +168,20 @@ impl Work {
             let drawn = session.render_checked();
             match drawn {
                 Ok((picture, frame)) => {
-                    if !frame.progress.is_whole() {
+                    let is_done = frame.progress.is_whole();
+                    if !is_done {
                         // The next frame has more; a request comes first.
                         self.moved = moved;
                     }
+                    let keeps_now = is_done && std::mem::take(&mut self.is_kept_later);
                     let warnings = frame.warnings.clone();
                     self.tell(|told| {
                         told.frame = Some(frame);
-                        told.refined = Some(Arc::new(picture));
+                        if keeps_now {
+                            told.keep(picture);
+                        } else {
+                            told.refined = Some(Arc::new(picture));
+                        }
                     });
                     self.show(warnings);
                 }

@@ -70,9 +70,9 @@ impl Work {
             super::locked(&told).reading = Some(("frames of the film".to_owned(), share));
             super::locked(&wake)();
         });
-        self.progressive.set(true);
         session.place_camera(camera);
         let back = session.apply(&Change::Size(size));
+        self.progressive.set(true);
         let back = back.map_err(|refused| refused.findings);
         let done = format!(
             "saved {} frames into {}",

@@ -66,6 +66,16 @@ pub fn run(args: &TestArgs) -> anyhow::Result<ExitCode> {
     if is_empty {
         return Err(nothing_selected(args).into());
     }
+    let is_skipped = |report: &CaseReport| {
+        let all = |outcomes: &Vec<Outcome>| {
+            let mut outcomes = outcomes.iter();
+            outcomes.all(|outcome| outcome.verdict == Verdict::NotRun)
+        };
+        matches!(&report.result, Some(Ok(outcomes)) if all(outcomes))
+    };
+    if reports.iter().all(is_skipped) {
+        return Err(nothing_run().into());
+    }
     let failed = reports.iter().any(CaseReport::failed);
     Ok(ExitCode::from(u8::from(failed)))
 }
@@ -128,6 +138,16 @@ fn list(files: &[PathBuf], options: &CaseOptions, is_json: bool) -> anyhow::Resu
     }
     findings.into_result(())?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Tests that look at nothing hold nothing.
+fn nothing_run() -> Findings {
+    Finding::error(
+        "nothing-run",
+        "no expectation was looked at, for the reasons above",
+    )
+    .help("give what they need: data by `--data`, another adapter by `--adapter`")
+    .into()
 }
 
 fn nothing_selected(args: &TestArgs) -> Findings {
