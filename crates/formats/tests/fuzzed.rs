@@ -91,3 +91,23 @@ fn an_array_without_chunks_is_not_filled() {
     let volume = load(folder.path(), &LoadOptions::default()).unwrap();
     assert_eq!(volume.statistics().max, 7.0);
 }
+
+/// Pixels in floats have no bits beside them, whatever `BitsStored` and `HighBit` say.
+#[test]
+fn stored_bits_of_floats_do_not_matter() {
+    let mut bytes = beside("dicom/bits_beside.dcm");
+    let at = |bytes: &[u8], tag: [u8; 4]| bytes.windows(4).position(|four| four == tag).unwrap();
+    let stored = at(&bytes, [0x28, 0, 1, 1]);
+    bytes[stored + 8] = 33;
+    let high = at(&bytes, [0x28, 0, 2, 1]);
+    bytes[high + 8] = 0;
+    let pixels = at(&bytes, [0xe0, 0x7f, 0x10, 0]);
+    bytes.truncate(pixels);
+    let voxels: Vec<u8> = (0..64_u8)
+        .flat_map(|i| f32::from(i).to_le_bytes())
+        .collect();
+    bytes.extend(b"\xe0\x7f\x08\0OF\0\0\0\x01\0\0");
+    bytes.extend(voxels);
+    let volume = from_bytes("a.dcm", &bytes, &LoadOptions::default()).unwrap();
+    assert_eq!(volume.statistics().max, 63.0);
+}

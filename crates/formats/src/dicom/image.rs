@@ -102,8 +102,10 @@ impl Image {
             Samples::Floats => 32,
             Samples::Doubles => 64,
         };
-        let stored = data.count(tags::BITS_STORED).unwrap_or(bits);
-        let high_bit = data.count(tags::HIGH_BIT).unwrap_or(stored.max(1) - 1);
+        // Floats have all their bits, whatever is said of them.
+        let said = |tag: Tag| data.count(tag).filter(|_| kind == Samples::Integers);
+        let stored = said(tags::BITS_STORED).unwrap_or(bits);
+        let high_bit = said(tags::HIGH_BIT).unwrap_or(stored.max(1) - 1);
         let fits = kind != Samples::Integers
             || [1, 8, 16, 32].contains(&bits)
                 && (1..=bits).contains(&stored)
