@@ -91,30 +91,50 @@ fn most_seeds_are_good_input() {
 
 #[test]
 fn most_seeds_of_volumes_are_good_input() {
-    for target in ["nifti", "vti", "npy", "recognise"] {
+    let mut refused: Vec<String> = Vec::new();
+    let mut note = |target: &str, name: &str, told: Option<String>| {
+        if let Some(told) = told {
+            eprintln!("{target}/{name}: {told}");
+            refused.push(format!("{target}/{name}"));
+        }
+    };
+    for (target, at) in [("nifti", 0), ("vti", 0), ("npy", 0), ("recognise", 1)] {
         for (name, bytes) in seeds(target) {
-            let at = if target == "recognise" { 1 } else { 0 };
             let volume = from_bytes("seed", &bytes[at + 1..], &options(bytes[at]));
-            assert!(volume.is_ok(), "{target}/{name}: {volume:?}");
+            note(target, &name, volume.err().map(|error| error.to_string()));
         }
     }
     for (target, ending) in [("dicom", "dcm"), ("tiff", "tif"), ("pictures", "png")] {
         for (name, bytes) in seeds(target) {
             let volume = read_slices(ending, &bytes);
-            assert!(volume.is_ok(), "{target}/{name}: {volume:?}");
+            note(target, &name, volume.err().map(|error| error.to_string()));
         }
     }
     for (name, bytes) in seeds("zarr") {
         let folder = Folder::of(&bytes[1..]);
         let volume = load(folder.path(), &options(bytes[0]));
-        assert!(volume.is_ok(), "zarr/{name}: {volume:?}");
+        note("zarr", &name, volume.err().map(|error| error.to_string()));
     }
     for (name, bytes) in seeds("mesh") {
         let mesh = Mesh::from_bytes("seed", &bytes[1..], &ReadOptions::default());
-        assert!(mesh.is_ok(), "mesh/{name}: {mesh:?}");
+        note("mesh", &name, mesh.err().map(|error| error.to_string()));
     }
     for (name, bytes) in seeds("bricks") {
-        let opened = open_bricks(&bytes).map(|(store, _)| store.map(|_| ()));
-        assert!(matches!(opened, Some(Ok(()))), "bricks/{name}: {opened:?}");
+        let opened = open_bricks(&bytes).map(|(store, _)| store.err());
+        let told = opened.map_or(Some("too short".to_owned()), |error| {
+            error.map(|error| error.to_string())
+        });
+        note("bricks", &name, told);
     }
+    refused.sort();
+    assert_eq!(refused, REFUSED);
 }
+
+/// Seeds of content that is known and not read.
+const REFUSED: [&str; 5] = [
+    "dicom/deflated",
+    "dicom/jpeg_ls",
+    "dicom/palette",
+    "dicom/short",
+    "tiff/images",
+];
