@@ -81,6 +81,7 @@ impl Data for Source {
             Some(component) => self.image.of_component(&wanted, component),
             None => wanted.clone(),
         };
+        self.image.array.check_there(&wanted, &needed)?;
         self.image.array.read(&wanted, &needed, limits)
     }
 }

@@ -40,7 +40,7 @@ pub(crate) fn nearest(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> (DVec3, Feature) {
     }
     let vc = d1 * d4 - d3 * d2;
     if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return (a + ab * (d1 / (d1 - d3)), Feature::Edge(0));
+        return (a + ab * part(d1, d1 - d3), Feature::Edge(0));
     }
     let cp = p - c;
     let (d5, d6) = (ab.dot(cp), ac.dot(cp));
@@ -49,15 +49,21 @@ pub(crate) fn nearest(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> (DVec3, Feature) {
     }
     let vb = d5 * d2 - d1 * d6;
     if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return (a + ac * (d2 / (d2 - d6)), Feature::Edge(2));
+        return (a + ac * part(d2, d2 - d6), Feature::Edge(2));
     }
     let va = d3 * d6 - d5 * d4;
     if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-        let w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+        let w = part(d4 - d3, (d4 - d3) + (d5 - d6));
         return (b + (c - b) * w, Feature::Edge(1));
     }
     let all = va + vb + vc;
-    (a + ab * (vb / all) + ac * (vc / all), Feature::Face)
+    (a + ab * part(vb, all) + ac * part(vc, all), Feature::Face)
+}
+
+/// A part of a whole from 0 to 1. A triangle may be so small and so far that all its points are equally near: then any
+/// part is good, and 0 / 0 is none.
+fn part(part: f64, whole: f64) -> f64 {
+    if whole > 0.0 { part / whole } else { 0.0 }
 }
 
 /// The solid angle of a triangle seen from `p`, positive from behind its face (Van Oosterom & Strackee 1983, eq. 8).
@@ -89,6 +95,18 @@ mod tests {
             assert!(got.abs_diff_eq(want.into(), 1e-15), "{p:?}: {got}");
             assert_eq!(at, feature, "{p:?}");
         }
+    }
+
+    #[test]
+    fn all_points_of_a_tiny_triangle_are_equally_near() {
+        let tiny = 1e-17;
+        let corners = [
+            DVec3::ZERO,
+            DVec3::new(tiny, tiny, 0.0),
+            DVec3::new(0.0, 0.0, tiny),
+        ];
+        let (got, _) = nearest(DVec3::new(0.5, -0.5, 0.5), &corners);
+        assert!(got.abs().max_element() <= tiny, "{got}");
     }
 
     #[test]

@@ -58,7 +58,12 @@ impl Winding {
             }
             let area: f64 = parts.iter().map(|part| part.area).sum();
             let weighted: DVec3 = parts.iter().map(|part| part.centre * part.area).sum();
-            let centre = weighted / area;
+            // Areas may be too small for float64; a centre that is no number would make all nodes above near ones.
+            let centre = if area > 0.0 {
+                weighted / area
+            } else {
+                node.lo.midpoint(node.hi)
+            };
             let corner = (node.hi - centre).max(centre - node.lo);
             all[i] = Moments {
                 centre,
@@ -103,6 +108,24 @@ impl Winding {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn triangles_without_an_area_in_float64_spoil_no_node() {
+        let corners = |at: f64, size: f64| {
+            let corner = DVec3::splat(at);
+            [corner, corner + DVec3::X * size, corner + DVec3::Y * size]
+        };
+        // The tiny ones at 0 have a node of their own.
+        let sizes = [1e-170; 8].into_iter().chain([1.0; 8]);
+        let triangles: Vec<[DVec3; 3]> = (0..)
+            .zip(sizes)
+            .map(|(i, size)| corners(f64::from(i / 8), size))
+            .collect();
+        let tree = Tree::new(&triangles);
+        let Winding(nodes) = Winding::new(&tree);
+        assert!(nodes.iter().any(|node| node.area == 0.0));
+        assert!(nodes.iter().all(|node| node.centre.is_finite()));
+    }
 
     #[test]
     fn sums_from_afar_are_those_of_all_solid_angles() {

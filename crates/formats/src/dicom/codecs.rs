@@ -288,6 +288,12 @@ fn jpeg(encoded: &[u8], image: &Image) -> Result<Voxels, VolumeError> {
 
 fn jpeg_2000(encoded: &[u8], image: &Image) -> Result<Voxels, VolumeError> {
     let failed = |error: &dyn std::fmt::Debug| corrupt(format!("JPEG 2000: {error:?}"));
+    // The decoder makes all components before it tells how many there are.
+    let count = siz(encoded).get(40..42);
+    let count = count.map_or(0, |two| u32::from(two[0]) << 8 | u32::from(two[1]));
+    if count > image.samples {
+        return Err(corrupt(format!("a frame has {count} components")));
+    }
     let settings = DecodeSettings::default();
     let picture = hayro_jpeg2000::Image::new(encoded, &settings).map_err(|e| failed(&e))?;
     if (picture.width(), picture.height()) != (image.columns, image.rows) {
@@ -343,13 +349,17 @@ fn jpeg_2000(encoded: &[u8], image: &Image) -> Result<Voxels, VolumeError> {
     })
 }
 
-/// Whether the first component of a code stream is signed: the highest bit of its depth in the SIZ segment.
-fn signed_components(encoded: &[u8]) -> bool {
-    let siz = encoded
+/// A code stream from its start, with the SIZ segment: the number of components stands at 40, their depths from 42 on.
+fn siz(encoded: &[u8]) -> &[u8] {
+    let start = encoded
         .windows(4)
         .position(|four| four == [0xff, 0x4f, 0xff, 0x51]);
-    siz.and_then(|at| encoded.get(at + 42))
-        .is_some_and(|depth| depth & 0x80 != 0)
+    start.map_or(&[], |start| &encoded[start..])
+}
+
+/// Whether the first component of a code stream is signed: the highest bit of its depth.
+fn signed_components(encoded: &[u8]) -> bool {
+    siz(encoded).get(42).is_some_and(|depth| depth & 0x80 != 0)
 }
 
 #[cfg(test)]

@@ -15,6 +15,9 @@ use crate::input::Input;
 /// Most frames of a file.
 const MOST_FRAMES: u32 = 1_000_000;
 
+/// Frames that may be as small as they like.
+const SOME_FRAMES: u64 = 4096;
+
 /// A file with pixels.
 pub(super) struct Image {
     pub syntax: String,
@@ -99,8 +102,10 @@ impl Image {
             Samples::Floats => 32,
             Samples::Doubles => 64,
         };
-        let stored = data.count(tags::BITS_STORED).unwrap_or(bits);
-        let high_bit = data.count(tags::HIGH_BIT).unwrap_or(stored.max(1) - 1);
+        // Floats have all their bits, whatever is said of them.
+        let said = |tag: Tag| data.count(tag).filter(|_| kind == Samples::Integers);
+        let stored = said(tags::BITS_STORED).unwrap_or(bits);
+        let high_bit = said(tags::HIGH_BIT).unwrap_or(stored.max(1) - 1);
         let fits = kind != Samples::Integers
             || [1, 8, 16, 32].contains(&bits)
                 && (1..=bits).contains(&stored)
@@ -167,21 +172,41 @@ impl Image {
     fn check_length(&self, input: &Input<'_>) -> Result<(), VolumeError> {
         let count = u64::from(Self::frame_count(&self.data)?);
         let needed = count.saturating_mul(self.frame_bits()).div_ceil(8);
+        let cut_off = |cause: String| {
+            VolumeError::DataTooShort(Trouble::new(
+                cause,
+                "the file is cut off: fetch it again, or correct its number of frames",
+            ))
+        };
         match &self.pixels {
             Pixels::Native { offset, len } => {
                 let have = input.len.saturating_sub(*offset).min(*len);
                 if have < needed {
-                    return Err(VolumeError::DataTooShort(Trouble::new(
+                    return Err(cut_off(format!(
+                        "holds {have} bytes of pixels; {count} frames of {}×{} need {needed}",
+                        self.columns, self.rows
+                    )));
+                }
+                // Frames of a few bits would take less than what is kept of each.
+                if count > SOME_FRAMES + input.len / 64 {
+                    return Err(VolumeError::TooLarge(Trouble::new(
                         format!(
-                            "holds {have} bytes of pixels; {count} frames of {}×{} need {needed}",
+                            "the file says that it has {count} frames of {}×{} pixels",
                             self.columns, self.rows
                         ),
-                        "the file is cut off: fetch it again",
+                        "give a file of fewer and larger frames",
                     )));
                 }
                 Ok(())
             }
             Pixels::Fragments { parts, .. } => {
+                // Runs and codes of a few bits could stand for any number of empty frames.
+                if count > parts.len() as u64 {
+                    return Err(cut_off(format!(
+                        "has {} fragments of compressed pixels for {count} frames",
+                        parts.len()
+                    )));
+                }
                 let have = parts.iter().map(|(_, len)| len).sum();
                 let codec = super::codecs::codec_of(&self.syntax)?;
                 crate::slices::plausible(codec, have, needed)
@@ -258,9 +283,8 @@ impl Frame {
     fn of(data: &Dataset, shared: Option<&Dataset>, own: Option<&Dataset>) -> Self {
         // The data set that holds an attribute of a functional group.
         let group = |sequence: Tag| {
-            let of =
-                |groups: Option<&Dataset>| groups.and_then(|groups| groups.item(sequence).cloned());
-            of(own).or_else(|| of(shared))
+            let of_own = own.and_then(|groups| groups.item(sequence));
+            of_own.or_else(|| shared.and_then(|groups| groups.item(sequence)))
         };
         let position = group(tags::PLANE_POSITION_SEQUENCE);
         let orientation = group(tags::PLANE_ORIENTATION_SEQUENCE);
@@ -269,8 +293,7 @@ impl Frame {
         let content = group(tags::FRAME_CONTENT_SEQUENCE);
         let segment = group(tags::SEGMENT_IDENTIFICATION_SEQUENCE);
         let [position, orientation, measures, values] =
-            [&position, &orientation, &measures, &values]
-                .map(|group| group.as_ref().unwrap_or(data));
+            [position, orientation, measures, values].map(|group| group.unwrap_or(data));
         let spacing = [
             tags::PIXEL_SPACING,
             tags::IMAGER_PIXEL_SPACING,
@@ -289,9 +312,7 @@ impl Frame {
             .or(data.number(tags::DOSE_GRID_SCALING));
         let intercept = values.number(tags::RESCALE_INTERCEPT);
         let rescaled = slope.is_some() || intercept.is_some();
-        let time = content
-            .as_ref()
-            .and_then(|content| content.count(tags::TEMPORAL_POSITION_INDEX));
+        let time = content.and_then(|content| content.count(tags::TEMPORAL_POSITION_INDEX));
         Self {
             position: position.array(tags::IMAGE_POSITION_PATIENT).map(vector),
             orientation: orientation

@@ -20,6 +20,15 @@ const MOST_CHUNKS: u128 = 1 << 20;
 /// Bytes of chunks that are decoded before they are copied.
 const BATCH_BYTES: u64 = 1 << 28;
 
+/// Bytes that may be nothing but the fill value.
+const FREE_BYTES: u64 = 1 << 26;
+
+/// Bytes of voxels for each byte that the chunks can hold: arrays of labels have few chunks that are not empty.
+const MOST_FILL: u64 = 4096;
+
+/// Bytes that a packed one may become; Zstandard and Blosc know no limit, blocks of one value come to this.
+const MOST_RATIO: u64 = 1 << 15;
+
 /// An array whose metadata was read.
 #[derive(Debug)]
 pub(super) struct Array {
@@ -154,6 +163,42 @@ impl Array {
             }
             other => other,
         })
+    }
+
+    /// Refuses a large box of which next to nothing is there: metadata alone shall not fill the memory with the fill
+    /// value. `needed` are the voxels of it whose chunks are read.
+    pub fn check_there(&self, wanted: &Box, needed: &Box) -> Result<(), VolumeError> {
+        let size = self.meta.element.scalar_type.size() as u64;
+        let bytes = wanted.count().unwrap_or(u64::MAX).saturating_mul(size);
+        if bytes <= FREE_BYTES {
+            return Ok(());
+        }
+        self.chunks(needed)?;
+        let chunk = self.meta.chunk.iter();
+        let chunk_bytes = chunk.fold(size, |product, &n| product.saturating_mul(n));
+        let ratio = if self.inner().is_plain() {
+            1
+        } else {
+            MOST_RATIO
+        };
+        let mut there = 0_u64;
+        each_index(&needed.cells(&self.meta.chunk), |index| {
+            if there.saturating_mul(MOST_FILL) < bytes {
+                let file = std::fs::metadata(self.folder.join(self.meta.keys.name(index)));
+                let len = file.map_or(0, |file| file.len());
+                there = there.saturating_add(len.saturating_mul(ratio).min(chunk_bytes));
+            }
+            Ok(())
+        })?;
+        if there.saturating_mul(MOST_FILL) < bytes {
+            return Err(VolumeError::DataTooShort(Trouble::new(
+                format!(
+                    "next to no chunk is there: of {bytes} bytes of voxels all but {there} would be the fill value"
+                ),
+                "fetch the whole folder again, or correct the shape in its metadata",
+            )));
+        }
+        Ok(())
     }
 
     /// How many chunks a box touches; refused where they are too many to look for.

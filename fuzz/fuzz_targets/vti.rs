@@ -1,0 +1,5 @@
+//! See [`volgraph_fuzz::vti`].
+
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| volgraph_fuzz::vti(data));
