@@ -3,6 +3,9 @@
 struct BrickLook {
     // Whether anything of it may be seen.
     is_seen: bool,
-    // Less than so many bricks away to each side, all bricks are alike in that; at least 1.
-    away: i32,
+    // The box of bricks around that is alike in that, from one corner up to the other.
+    low: vec3i,
+    high: vec3i,
+    // A segment may be two to the power of this times as long as a step.
+    power: u32,
 }

@@ -50,23 +50,9 @@ fn lights_is_at_eye(index: u32) -> bool {
     return given.w == 0.0 && dot(given.xyz, given.xyz) == 0.0;
 }
 
-// The light of a number below `params.lights`, as a world position sees it; `to_eye` is the unit direction back.
-fn lights_at(index: u32, world: vec3f, to_eye: vec3f) -> Light {
-    let given = lights_given(index);
-    var color = params.light_1_color;
-    if index == 1u {
-        color = params.light_2_color;
-    } else if index == 2u {
-        color = params.light_3_color;
-    } else if index == 3u {
-        color = params.light_4_color;
-    }
-    if given.w == 0.0 {
-        let square = dot(given.xyz, given.xyz);
-        let direction = select(to_eye, given.xyz * inverseSqrt(max(square, 1.0e-30)), square > 0.0);
-        return Light(direction, LIGHT_FAR, color);
-    }
-    let towards = space_point(given.xyz / given.w) - world;
-    let distance = max(length(towards), 1.0e-20);
-    return Light(towards / distance, distance, color);
+// The linear colour of a light, as bright as it is.
+fn lights_color(index: u32) -> vec3f {
+    let first = select(params.light_1_color, params.light_2_color, index == 1u);
+    let second = select(params.light_3_color, params.light_4_color, index == 3u);
+    return select(first, second, index > 1u);
 }

@@ -1,9 +1,9 @@
 // Blinn-Phong: what lights make of a material.
-#import "lib/lights.wgsl"
 #import "lib/material.wgsl"
 #import "lib/surface_point.wgsl"
 #import slot "environment"
 #import slot "labels"
+#import slot "light_places"
 #import slot "material"
 #import slot "shadow"
 
@@ -45,16 +45,16 @@ fn phong_with(
     is_surface: bool,
 ) -> PhongLight {
     let light = lights_at(index, world, to_eye);
-    let diffuse = dot(normal, light.direction);
-    if diffuse <= 0.0 {
-        return before;
-    }
-    let half_way = normalize(light.direction + to_eye + 1.0e-6 * normal);
+    let diffuse = max(dot(normal, light.direction), 0.0);
+    let half_way = lights_half_way(light, to_eye, normal);
     let highlight = pow(max(dot(normal, half_way), 0.0), shininess);
-    let label = labels_selected();
-    let reaches = shadow_transmittance(world, select(vec3f(0.0), normal, is_surface), light, index);
-    labels_select(label);
-    let seen = reaches * light.color;
+    // Nothing but the way to the light is in a branch: without one on it there is none.
+    var seen = vec3f(0.0);
+    if diffuse > 0.0 {
+        let label = labels_selected();
+        seen = shadow_transmittance(world, select(vec3f(0.0), normal, is_surface), light, index) * light.color;
+        labels_select(label);
+    }
     return PhongLight(before.diffuse + seen * diffuse, before.specular + seen * highlight);
 }
 

@@ -40,6 +40,8 @@ struct Segment {
     // The scalar at its middle, for whoever has it already.
     middle: f32,
     has_middle: bool,
+    // Whether it is a step long, as the tables of segments are; where the walk knows when the shader is built.
+    is_step: bool,
 }
 
 struct RayResult {
@@ -96,7 +98,12 @@ fn ray_between(ray: Ray, start: f32, end: f32) -> Ray {
 }
 
 fn segment_between(front: Sample, back: Sample, start: f32, length: f32) -> Segment {
-    return Segment(front, back, start, length, 0.0, false);
+    return Segment(front, back, start, length, 0.0, false, false);
+}
+
+// A segment that is a step long.
+fn segment_step(front: Sample, back: Sample, start: f32, step: f32) -> Segment {
+    return Segment(front, back, start, step, 0.0, false, true);
 }
 
 // The middle of a segment in texture coordinates.

@@ -1,6 +1,6 @@
 // How much of each light reaches the points of a grid: one walk for each point and light, written slice by slice.
 #import "lib/light_grid.wgsl"
-#import "lib/lights.wgsl"
+#import slot "light_places"
 #import "lib/shadow_through.wgsl"
 #import slot "eye_light"
 

@@ -6,9 +6,8 @@
 #import slot "parts"
 #import "lib/sample.wgsl"
 #import "lib/shown.wgsl"
-#import slot "traverse"
 #import slot "technique"
-#import slot "leap"
+#import slot "walk"
 #import slot "heed"
 #import slot "behind"
 #import slot "depth_layer"
@@ -21,9 +20,6 @@
 #import slot "trace_layer"
 
 @group(0) @binding(3) var color_out: texture_storage_2d<rgba32float, write>;
-
-// Whatever a `traverse` slot says, a walk ends. Software drivers end every loop after as many turns.
-const RAYCAST_MAX_SEGMENTS: u32 = 65535u;
 
 fn raycast_pixel(pixel: vec2f) -> Shown {
     labels_select(STRETCH_NO_LABEL);
@@ -38,74 +34,14 @@ fn raycast_pixel(pixel: vec2f) -> Shown {
         heed_begin(walk);
         ray = whole;
         var parts = parts_begin(ray);
-        for (var part = 0u; !is_done && part < RAYCAST_MAX_SEGMENTS; part++) {
+        for (var part = 0u; !is_done && part < WALK_MAX_SEGMENTS; part++) {
             if !parts_next(&parts, &ray) {
                 break;
             }
             trace_layer_part(ray);
-            let length = ray.far - ray.near;
-            var front: Sample;
-            var start = 0.0;
-            var index = 0u;
-            // Software drivers run what is in no loop of its own for every pixel, needed or not. So a choosy technique looks
-            // into segments out here, and the loops below end at those that it heeds.
-            var looks = 0u;
-            for (var hunt = 0u; hunt < RAYCAST_MAX_SEGMENTS; hunt++) {
-                var segment: Segment;
-                var is_heeded = false;
-                // A bent ray is another ray: its parts are looked for anew.
-                for (; looks < RAYCAST_MAX_SEGMENTS && !is_done && !is_heeded && ray.bends == parts.bends; ) {
-                    let leap = leap_from(ray, index);
-                    if looks == 0u || leap.index != index {
-                        let before = start;
-                        index = leap.index;
-                        start = 0.0;
-                        if index > 0u {
-                            start = traverse_segment_end(ray, index - 1u);
-                        }
-                        trace_layer_leap(before, start);
-                        if start < length {
-                            front = sample_along(ray, start);
-                            samples++;
-                        }
-                    }
-                    looks++;
-                    if start >= length {
-                        break;
-                    }
-                    for (var turn = 0u; turn < leap.segments && start < length; turn++) {
-                        let end = traverse_segment_end(ray, index + leap.stride - 1u);
-                        let back = sample_along(ray, end);
-                        samples++;
-                        segment = segment_between(front, back, start, end - start);
-                        error_layer_segment(&error, state, ray, segment);
-                        front = back;
-                        start = end;
-                        index += leap.stride;
-                        if heed_is_choosy() {
-                            is_heeded = heed_segment(ray, segment);
-                            if is_heeded {
-                                break;
-                            }
-                            trace_layer_segment(state, ray, segment, false);
-                        } else {
-                            is_done = technique_segment(&state, &ray, segment);
-                            trace_layer_segment(state, ray, segment, is_done);
-                            if is_done || ray.bends != parts.bends {
-                                break;
-                            }
-                        }
-                    }
-                }
-                if !heed_is_choosy() || !is_heeded {
-                    break;
-                }
-                is_done = technique_segment(&state, &ray, segment);
-                trace_layer_segment(state, ray, segment, is_done);
-                if is_done {
-                    break;
-                }
-            }
+            let walked = walk_part(&state, &ray, &error);
+            samples += walked.samples;
+            is_done = walked.is_done;
         }
     }
     let estimate = error_layer_finish(&error, state, ray, is_done);

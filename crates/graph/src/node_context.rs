@@ -81,6 +81,13 @@ impl<'g> NodeContext<'g> {
         self.node().params.get(name)
     }
 
+    /// A parameter's value as the file or the command line gave it, before its shader, which may declare it, is linked;
+    /// whether it fits is not known yet.
+    #[must_use]
+    pub fn given(&self, name: &str) -> Option<&'g ParamValue> {
+        self.node().given.get(name).map(|given| &given.value)
+    }
+
     /// A number parameter; 0 where there is none of that name.
     #[must_use]
     pub fn float(&self, name: &str) -> f64 {

@@ -22,6 +22,7 @@ use wgpu_types::TextureFormat;
 
 use crate::placement;
 use crate::raycast::Raycast;
+use crate::segmentation;
 
 /// The node kind `light_volume`.
 pub struct LightVolume;
@@ -127,17 +128,45 @@ impl NodeKind for LightVolume {
     }
 }
 
-/// Whether a light that shines is at the eye (all zeros). What is not known stands for one.
+/// Whether a light that shines is at the eye. What is not known stands for one.
 fn may_shine_from_eye(node: &NodeContext<'_>) -> bool {
-    let lights = match node.param("lights") {
-        Some(ParamValue::Int(count)) => *count,
-        _ => 4,
+    (1..=most_lights(node, 4)).any(|number| is_at_eye(node, number).unwrap_or(true))
+}
+
+/// Where lights shine from, the slot `light_places`: all from the eye, as the one does that shines where nothing is said,
+/// or from anywhere.
+pub(crate) fn places_slot(node: &NodeContext<'_>) -> (String, String) {
+    let is_at_eye = |number| is_at_eye(node, number).unwrap_or(true);
+    // Labels may have lights of their own.
+    let choice = if (1..=most_lights(node, 1)).all(is_at_eye) && !segmentation::has_labels(node) {
+        "eye"
+    } else {
+        "anywhere"
     };
-    (1..=lights).any(|number| match node.param(&format!("light_{number}")) {
+    ("light_places".to_owned(), choice.to_owned())
+}
+
+/// How many lights shine; `unsaid` where that is not said.
+fn most_lights(node: &NodeContext<'_>, unsaid: i64) -> i64 {
+    match said(node, "lights") {
+        Some(ParamValue::Int(count)) => *count,
+        Some(_) => 4,
+        None => unsaid,
+    }
+}
+
+/// Whether the light of a number is at the eye (all zeros), where it is said where it is.
+fn is_at_eye(node: &NodeContext<'_>, number: i64) -> Option<bool> {
+    said(node, &format!("light_{number}")).map(|light| match light {
         // What is too small for a shader is zero there.
-        Some(ParamValue::Vector(light)) => light.iter().all(|value| value.abs() < 1e-15),
-        _ => true,
+        ParamValue::Vector(light) => light.iter().all(|value| value.abs() < 1e-15),
+        _ => false,
     })
+}
+
+/// A parameter of a shader, which is not linked where its slots are chosen.
+fn said<'g>(node: &NodeContext<'g>, name: &str) -> Option<&'g ParamValue> {
+    node.param(name).or_else(|| node.given(name))
 }
 
 /// A grid whose slices lie side by side.

@@ -19,7 +19,7 @@ use crate::raycast::{
     MAX_SEGMENTS, TablePorts, longest_ray, tile_members, tile_of, transfer_uniform,
 };
 use crate::transfer_table::transfer;
-use crate::{brick_proxy, placement, preintegration, transfer_table, volume_texture};
+use crate::{brick_proxy, light_volume, placement, preintegration, transfer_table, volume_texture};
 
 /// The node kind `multivolume_raycast`.
 pub struct MultivolumeRaycast;
@@ -293,6 +293,7 @@ impl NodeKind for MultivolumeRaycast {
         ]
         .map(|(slot, choice)| (slot.to_owned(), choice.to_owned()))
         .into();
+        fixed_slots.extend([light_volume::places_slot(node)]);
         fixed_slots.extend(LAYERS.map(|layer| {
             let choice = if node.is_wanted(layer) {
                 "written"

@@ -59,7 +59,7 @@ fn beyond_slots(node: &NodeContext<'_>) -> Vec<(String, String)> {
     }
 }
 
-/// What a technique does not see, and which segments it looks into, its file says.
+/// What a technique does not see, which segments it looks into, and how it is walked with, its file says.
 const DERIVED: &[DerivedSlot] = &[
     DerivedSlot {
         slot: "emptiness",
@@ -71,44 +71,57 @@ const DERIVED: &[DerivedSlot] = &[
         from: "technique",
         tag: "heeds",
     },
+    DerivedSlot {
+        slot: "walk",
+        from: "technique",
+        tag: "walks",
+    },
 ];
 
 /// How the walk leaps over what the technique does not see: the choices of its slots `leap` and `look`.
 fn leaps(node: &NodeContext<'_>) -> [(String, String); 2] {
-    let slots = |leap: &str, look: &str| {
-        [("leap", leap), ("look", look)].map(|(slot, choice)| (slot.to_owned(), choice.to_owned()))
+    let (leap, look) = match looks_at(node) {
+        Some(look) => ("bricks", look),
+        // The look is for whoever checks the shaders of `leap` alone.
+        None => ("none", "distance_map".to_owned()),
     };
+    [
+        ("leap".to_owned(), leap.to_owned()),
+        ("look".to_owned(), look),
+    ]
+}
+
+/// What the walk looks at to leap, the choice of the slot `look`; none where it takes every step.
+fn looks_at(node: &NodeContext<'_>) -> Option<String> {
+    // Leaps count in whole steps: walks of a user's own may end their segments anywhere.
     if placement::is_in_bricks(node) {
-        // Walks of a user's own may end their segments anywhere.
         let takes_whole_steps = ["uniform", "skip", "adaptive"].contains(&node.slot("traverse"));
-        let leap = if takes_whole_steps { "pages" } else { "none" };
-        return slots(leap, "distance_map");
+        return takes_whole_steps.then(|| "pages".to_owned());
     }
     let emptiness = node.slot("emptiness");
     let has_labels = !Raycast.param_rows(node).is_empty();
     let reads_params = ["isovalue", "isovalue_transfer", "isosurfaces"].contains(&emptiness);
-    // Leaps count in whole steps: walks of a user's own may end their segments anywhere.
-    let takes_whole_steps = ["skip", "adaptive"].contains(&node.slot("traverse"));
-    if !takes_whole_steps
+    if !["skip", "adaptive"].contains(&node.slot("traverse"))
         || emptiness == "none"
         || brick_ranges::margin(node.slot("reconstruct")).is_none()
         // Labels may have isosurfaces of their own.
         || (reads_params && has_labels)
     {
-        return slots("none", "distance_map");
+        return None;
     }
-    match emptiness {
-        "maximum" | "minimum" => slots("bricks", emptiness),
+    let look = match emptiness {
+        "maximum" | "minimum" => emptiness,
         // Labels may have steps of their own; the nearest voxel's scalar has no derivatives.
         "transfer"
             if node.slot("traverse") == "adaptive"
                 && !has_labels
                 && node.slot("reconstruct") != "nearest" =>
         {
-            slots("strides", "distance_map")
+            "stride_map"
         }
-        _ => slots("bricks", "distance_map"),
-    }
+        _ => "distance_map",
+    };
+    Some(look.to_owned())
 }
 
 /// What the depth holds where the ray shows nothing (`RAY_NO_DEPTH` in `lib/ray.wgsl`).
@@ -207,8 +220,11 @@ impl NodeKind for Raycast {
         });
         let mut fixed_slots = BTreeMap::from(layers);
         fixed_slots.extend(walk_slots(node));
-        fixed_slots.extend(leaps(node));
+        let leaps = leaps(node);
+        let walk = walk::walk(node, &leaps[1].1);
+        fixed_slots.extend(leaps);
         fixed_slots.insert("heed".to_owned(), walk::heed(node));
+        fixed_slots.insert("walk".to_owned(), walk);
         fixed_slots.insert("behind".to_owned(), behind.to_owned());
         fixed_slots.extend(beyond_slots(node));
         Some(ProgramSpec {

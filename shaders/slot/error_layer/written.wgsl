@@ -107,7 +107,7 @@ fn error_layer_finish(walk: ptr<function, ErrorLayer>, state: TechniqueState, ra
 fn error_layer_pair(first: Segment, second: Segment) -> Segment {
     let is_even = abs(second.length - first.length) < 1.0e-3 * first.length;
     let length = first.length + second.length;
-    return Segment(first.front, second.back, first.start, length, second.front.scalar, is_even);
+    return Segment(first.front, second.back, first.start, length, second.front.scalar, is_even, false);
 }
 
 // A segment of the walk with double ones.

@@ -9,11 +9,9 @@
 fn light_segment(classified: Classified, segment: Segment, ray: Ray) -> vec3f {
     let distance = segment.start + 0.5 * segment.length;
     let normal = surface_inner_normal(ray, distance);
-    if all(normal == vec3f(0.0)) {
-        return classified.color;
-    }
     let material = material_segment(classified, segment, ray);
-    return phong_color(material, ray_world(ray, distance), normal, -ray.direction, false);
+    let lit = phong_color(material, ray_world(ray, distance), normal, -ray.direction, false);
+    return select(lit, classified.color, all(normal == vec3f(0.0)));
 }
 
 // Linear colour of an opaque surface towards the eye.

@@ -3,6 +3,11 @@
 #import "lib/brick_ranges.wgsl"
 #import "lib/extremum.wgsl"
 
+// So many segments are walked at least between two looks.
+fn look_least() -> u32 {
+    return 8u;
+}
+
 fn look_at(brick: vec3i) -> BrickLook {
-    return BrickLook(brick_range(brick).y > extremum_reached, 1);
+    return BrickLook(brick_range(brick).y > extremum_reached, brick, brick + 1, 0u);
 }

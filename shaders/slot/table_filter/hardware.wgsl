@@ -7,3 +7,10 @@ fn between_entries(entries: texture_2d<f32>, place: vec2f, last: f32, first: vec
     let texel = clamp(place, vec2f(0.0), vec2f(last)) + vec2f(first) + 0.5;
     return textureSampleLevel(entries, linear_sampler, texel / vec2f(textureDimensions(entries)), 0.0);
 }
+
+// The same of a texture that is one table, as wide as high: its size is known without asking the device, which costs
+// software ones as much as a few texels.
+fn between_all_entries(entries: texture_2d<f32>, place: vec2f, last: f32) -> vec4f {
+    let texel = clamp(place, vec2f(0.0), vec2f(last)) + 0.5;
+    return textureSampleLevel(entries, linear_sampler, texel / (last + 1.0), 0.0);
+}

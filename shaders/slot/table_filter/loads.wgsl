@@ -12,3 +12,8 @@ fn between_entries(entries: texture_2d<f32>, place: vec2f, last: f32, first: vec
     let far = mix(textureLoad(entries, at + vec2i(0, 1), 0), textureLoad(entries, at + vec2i(1, 1), 0), part.x);
     return mix(near, far, part.y);
 }
+
+// The same of a texture that is one table, as wide as high.
+fn between_all_entries(entries: texture_2d<f32>, place: vec2f, last: f32) -> vec4f {
+    return between_entries(entries, place, last, vec2i(0));
+}

@@ -1,4 +1,5 @@
 // Average projection: the mean scalar along the ray, by the trapezoid rule (order 2 in the step).
+// @walks pairs
 #import "lib/ray.wgsl"
 #import slot "tone"
 

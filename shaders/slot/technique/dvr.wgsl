@@ -1,5 +1,6 @@
 // Direct volume rendering: emission and absorption, composited from front to back (Max 1995).
 // @skips transfer
+// @walks pairs
 #import "lib/compositing.wgsl"
 #import slot "classify"
 #import slot "colors"

@@ -1,5 +1,6 @@
 // Minimum intensity projection: the smallest scalar along the ray.
 // @skips minimum
+// @walks pairs
 #import "lib/extremum.wgsl"
 #import slot "labels"
 #import slot "tone"

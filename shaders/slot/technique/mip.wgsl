@@ -1,5 +1,6 @@
 // Maximum intensity projection: the largest scalar along the ray.
 // @skips maximum
+// @walks pairs
 #import "lib/extremum.wgsl"
 #import slot "labels"
 #import slot "tone"

@@ -3,7 +3,7 @@
 // parts glow when they are lit from behind. It lights the surface itself, without the slot `light`.
 // @skips isovalue
 #import "lib/first_hit.wgsl"
-#import "lib/lights.wgsl"
+#import slot "light_places"
 #import "lib/shadow_ray.wgsl"
 #import "lib/surface.wgsl"
 #import slot "environment"

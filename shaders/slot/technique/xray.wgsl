@@ -1,4 +1,5 @@
 // X-ray projection: what the scalars along the ray absorb of a light behind (Beer-Lambert), by the trapezoid rule.
+// @walks pairs
 #import "lib/window.wgsl"
 
 struct Params {

@@ -41,6 +41,12 @@ fn transfer_entries(place: vec2f) -> vec4f {
     return between_entries(preintegration_tables, place, transfer.preintegration_last, transfer_tile);
 }
 
+// The nearest entry of the pre-integrated table.
+fn transfer_nearest_entry(place: vec2f) -> vec4f {
+    let inside = clamp(place, vec2f(0.0), vec2f(transfer.preintegration_last));
+    return textureLoad(preintegration_tables, vec2i(inside + 0.5) + transfer_tile, 0);
+}
+
 // The pre-integrated table of half segments at a place between its entries.
 fn transfer_half_entries(place: vec2f) -> vec4f {
     return between_entries(preintegration_half_tables, place, transfer.half_last, transfer_half_tile);

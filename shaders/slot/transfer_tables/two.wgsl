@@ -1,4 +1,5 @@
 // Which tables of transfer functions are read: those of two volumes, of which one was selected last.
+#import "lib/nearest_entry.wgsl"
 #import "lib/nearest_sampler.wgsl"
 #import "lib/tables.wgsl"
 #import "lib/volume_transfers.wgsl"
@@ -20,17 +21,25 @@ fn transfer_entry(place: f32) -> vec4f {
 // The pre-integrated table at a place between its entries.
 fn transfer_entries(place: vec2f) -> vec4f {
     if transfer_chosen == 1u {
-        return between_entries(preintegration_2_table, place, transfer.preintegration_last, vec2i(0));
+        return between_all_entries(preintegration_2_table, place, transfer.preintegration_last);
     }
-    return between_entries(preintegration_table, place, transfer.preintegration_last, vec2i(0));
+    return between_all_entries(preintegration_table, place, transfer.preintegration_last);
+}
+
+// The nearest entry of the pre-integrated table.
+fn transfer_nearest_entry(place: vec2f) -> vec4f {
+    if transfer_chosen == 1u {
+        return nearest_entry(preintegration_2_table, place, transfer.preintegration_last);
+    }
+    return nearest_entry(preintegration_table, place, transfer.preintegration_last);
 }
 
 // The pre-integrated table of half segments at a place between its entries.
 fn transfer_half_entries(place: vec2f) -> vec4f {
     if transfer_chosen == 1u {
-        return between_entries(preintegration_half_2_table, place, transfer.half_last, vec2i(0));
+        return between_all_entries(preintegration_half_2_table, place, transfer.half_last);
     }
-    return between_entries(preintegration_half_table, place, transfer.half_last, vec2i(0));
+    return between_all_entries(preintegration_half_table, place, transfer.half_last);
 }
 
 // The table of integrals (see `transfer_mean`).

@@ -56,6 +56,11 @@ pub(super) const SLOTS: &[SlotSpec] = &[
         doc: "Which segments does the technique look into?",
     },
     SlotSpec {
+        name: "walk",
+        default: "segments",
+        doc: "How is a part of a ray walked along?",
+    },
+    SlotSpec {
         name: "light",
         default: "unlit",
         doc: "How is a point lit?",

@@ -12,7 +12,8 @@ use wgpu_types::TextureFormat;
 
 use super::Raycast;
 use super::tables::data_value;
-use crate::{clip_volume, placement, segmentation, transfer_table};
+use crate::preintegration::Preintegration;
+use crate::{clip_volume, light_volume, placement, segmentation, transfer_table};
 
 /// Most segments of a ray: software drivers end loops after 65,535 turns, and a GPU would be busy for seconds.
 pub(crate) const MAX_SEGMENTS: f64 = 65_535.0;
@@ -38,6 +39,7 @@ pub(crate) fn walk_slots(node: &NodeContext<'_>) -> BTreeMap<String, String> {
         placement::filter_slot_at(node, "clip_volume"),
         (segmentation::TABLES_SLOT.to_owned(), tables.to_owned()),
         ("transfer_reach".to_owned(), reach(node).to_owned()),
+        light_volume::places_slot(node),
     ]);
     slots.extend(placement::texel_slots(node));
     slots
@@ -72,7 +74,7 @@ pub(crate) fn check_walk(node: &NodeContext<'_>) -> Result<(), Finding> {
     clip_volume::check_steps(node)
 }
 
-/// The longest ray must not have more segments than are walked (`RAYCAST_MAX_SEGMENTS` in `node/raycast.wgsl`).
+/// The longest ray must not have more segments than are walked (`WALK_MAX_SEGMENTS` in `lib/walked.wgsl`).
 fn check_segments(node: &NodeContext<'_>) -> Result<(), Finding> {
     let placed = placement::placed(node, "volume")?;
     let grid = placed.grid();
@@ -167,6 +169,36 @@ pub(super) fn heed(node: &NodeContext<'_>) -> String {
     } else {
         "all".to_owned()
     }
+}
+
+/// How parts of rays are walked along, the choice of the slot `walk`: in pairs of whole steps where the technique's file
+/// says that it may, nothing else is to be known of single segments, and the tables of segments are made for the step.
+pub(super) fn walk(node: &NodeContext<'_>, look: &str) -> String {
+    let walk = node.slot("walk");
+    let takes_whole_steps = ["uniform", "skip", "adaptive"].contains(&node.slot("traverse"))
+        && !["stride_map", "pages"].contains(&look);
+    let is_asked = ["error", "trace"].iter().any(|layer| node.is_wanted(layer));
+    // A walk of its own in each segment would be built three times.
+    let is_light = ["none", "light_volume"].contains(&node.slot("shadow"));
+    // Labels may have steps of their own.
+    if walk == "pairs"
+        && (!takes_whole_steps
+            || is_asked
+            || !is_light
+            || segmentation::has_labels(node)
+            || !has_table_of_step(node))
+    {
+        return "segments".to_owned();
+    }
+    walk.to_owned()
+}
+
+/// Whether the table of segments, if there is one, is made for the walk's step: that of a user's own may not be.
+fn has_table_of_step(node: &NodeContext<'_>) -> bool {
+    node.writer("preintegration_table").is_none_or(|writer| {
+        writer.kind_name() == Preintegration::Whole.name()
+            && writer.float("step").to_bits() == node.float("step").to_bits()
+    })
 }
 
 /// The members of the uniform `steepness` (see `lib/steepness.wgsl`).

@@ -59,6 +59,7 @@ const COVERED: &[(&str, &[&str])] = &[
     ),
     // Which segments are looked into changes no picture.
     ("heed", &["all", "isovalue"]),
+    ("walk", &["segments", "pairs"]),
     // Leaps are over what is not seen.
     ("traverse", &["uniform", "skip", "adaptive"]),
     (

@@ -8,19 +8,22 @@ use volgraph_shader::{DiskFiles, ParamSpec, ParamType, ParamValue, SnapshotFiles
 use crate::worker::{Request, Told};
 
 /// Slots that follow from other choices: nobody picks them.
-const DERIVED: [&str; 12] = [
+const DERIVED: [&str; 15] = [
     "behind",
     "clip_volume_filter",
     "emptiness",
     "heed",
     "labels",
     "leap",
+    "light_places",
+    "look",
     "parts",
     "table_filter",
     "transfer_reach",
     "transfer_tables",
     "volume_filter",
     "volume_texel",
+    "walk",
 ];
 
 pub(crate) fn show(ui: &mut Ui, told: &Told) -> Vec<Request> {

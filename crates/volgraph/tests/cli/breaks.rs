@@ -14,14 +14,30 @@ struct Break {
     expectation: &'static str,
 }
 
-const BREAKS: [Break; 12] = [
+const BREAKS: [Break; 14] = [
     Break {
         what: "drops the last segment",
-        file: "node/raycast.wgsl",
-        find: "                let back = sample_along(ray, end);",
-        with: "                if end >= length { is_done = true; break; }\n                let back = sample_along(ray, end);",
+        file: "slot/walk/pairs.wgsl",
+        find: "        let back = sample_along(*ray, end);",
+        with: "        if end >= length { is_done = true; break; }\n        let back = sample_along(*ray, end);",
         case: "dvr_fog",
         expectation: "uniform(color: (0.4",
+    },
+    Break {
+        what: "hands the first of two segments twice",
+        file: "slot/walk/pairs.wgsl",
+        find: "segment_step(middle, back, f32(index + 1u) * step, step)",
+        with: "segment_step(front, middle, f32(index) * step, step)",
+        case: "classify_preintegrated",
+        expectation: "order(",
+    },
+    Break {
+        what: "drops the last segment where each is looked at alone",
+        file: "slot/walk/segments.wgsl",
+        find: "                let back = sample_along(*ray, end);",
+        with: "                if end >= length { is_done = true; break; }\n                let back = sample_along(*ray, end);",
+        case: "dvr_alike",
+        expectation: "equals(",
     },
     Break {
         what: "samples the start of segments",
