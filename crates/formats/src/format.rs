@@ -12,21 +12,21 @@ use volgraph_volume::{Trouble, VolumeError};
 use crate::contents::Opened;
 use crate::input::Input;
 use crate::load::LoadOptions;
-use crate::{dicom, metaimage, nifti, npy, nrrd, raw, stack, tiff, vti};
+use crate::{dicom, hdf5, metaimage, nifti, npy, nrrd, raw, stack, tiff, vti};
 
 /// Files of a folder that are looked at to tell whether it holds a volume.
 const MOST_LOOKED_AT: usize = 256;
 
 /// Bytes that are looked at to recognise a format.
-const HEAD: u64 = 1024;
+const HEAD: u64 = 2048;
 
 /// What a file looks like from outside.
 pub(crate) struct Head {
     /// The file's name without its folder.
     pub name: String,
-    /// At most the first 1024 bytes.
+    /// At most the first 2048 bytes.
     pub bytes: Vec<u8>,
-    /// At most the first 1024 bytes of what a gzip stream holds; empty where it is none.
+    /// At most the first 2048 bytes of what a gzip stream holds; empty where it is none.
     pub unpacked: Vec<u8>,
 }
 
@@ -139,6 +139,14 @@ pub(crate) const FORMATS: &[Format] = &[
         begins: "\\x93NUMPY",
         recognises: |head| npy::is_npy(&head.bytes),
         opens: Opens::One(npy::open),
+    },
+    // The last one: its user block may be anything.
+    Format {
+        name: "HDF5",
+        endings: &[".h5", ".hdf5", ".he5"],
+        begins: "\\x89HDF",
+        recognises: |head| hdf5::is_hdf5(&head.bytes),
+        opens: Opens::One(hdf5::open),
     },
 ];
 

@@ -7,6 +7,7 @@ use volgraph_volume::{Trouble, VolumeError};
 
 use super::metadata::{Node, inside, node};
 use super::ome;
+use crate::choice::{Candidate, choose};
 
 /// Deepest level of groups that are looked into, and most folders that are looked at.
 const DEEPEST: usize = 4;
@@ -27,62 +28,21 @@ pub(super) fn find(folder: &Path, name: Option<&str>) -> Result<Part, VolumeErro
     let mut parts = Vec::new();
     let mut looked = 0;
     collect(folder, "", 0, &mut looked, &mut parts)?;
-    let choice = |cause: String, of: &[Part]| {
-        let names: Vec<&str> = of
-            .iter()
-            .map(|part| part.path.as_str())
-            .filter(|path| !path.is_empty())
-            .collect();
-        let some = names
-            .iter()
-            .take(20)
-            .copied()
-            .collect::<Vec<_>>()
-            .join(", ");
-        let more = if names.len() > 20 { " and more" } else { "" };
-        VolumeError::Option(Trouble::new(
-            cause,
-            if names.is_empty() {
-                "leave the option out".to_owned()
-            } else {
-                format!("name one with the option `part`: {some}{more}")
-            },
-        ))
-    };
     if parts.is_empty() {
         return Err(VolumeError::MissingField(Trouble::new(
             "this Zarr group has no array and no image",
             "give a folder with arrays in it, or fetch the whole folder again",
         )));
     }
-    let Some(name) = name else {
-        let main: Vec<&Part> = parts.iter().filter(|part| !part.is_label).collect();
-        return match (main.as_slice(), parts.as_slice()) {
-            ([one], _) => Ok((*one).clone()),
-            ([], [one]) => Ok(one.clone()),
-            _ => Err(choice(
-                format!("this Zarr group has {} arrays or images", parts.len()),
-                &parts,
-            )),
-        };
-    };
-    let name = name.trim_matches('/');
-    if let Some(part) = parts.iter().find(|part| part.path == name) {
-        return Ok(part.clone());
-    }
-    let having: Vec<Part> = parts
+    let candidates: Vec<Candidate<'_>> = parts
         .iter()
-        .filter(|part| part.path.contains(name))
-        .cloned()
+        .map(|part| Candidate {
+            path: &part.path,
+            main: !part.is_label,
+        })
         .collect();
-    match having.as_slice() {
-        [one] => Ok(one.clone()),
-        [] => Err(choice(format!("there is no part {name:?}"), &parts)),
-        several => Err(choice(
-            format!("{} parts have {name:?} in their names", several.len()),
-            several,
-        )),
-    }
+    let chosen = choose(&candidates, name, "arrays or images in this Zarr group")?;
+    Ok(parts.swap_remove(chosen))
 }
 
 fn collect(
