@@ -23,7 +23,11 @@ pub(crate) fn choose(
     let choice = |cause: String, of: &[usize]| {
         let names = of.iter().map(|&i| candidates[i].path);
         let names: Vec<&str> = names.filter(|path| !path.is_empty()).collect();
-        let some: Vec<String> = names.iter().take(MOST_NAMES).map(|name| cut(name)).collect();
+        let some: Vec<String> = names
+            .iter()
+            .take(MOST_NAMES)
+            .map(|name| cut(name))
+            .collect();
         let more = if names.len() > MOST_NAMES {
             " and more"
         } else {
@@ -92,7 +96,10 @@ mod tests {
         assert_eq!(chosen(&two, Some("lab")).unwrap(), 1);
         for name in [Some("raw"), Some("pet")] {
             let error = chosen(&two, name).unwrap_err();
-            assert!(error.to_string().contains("raw/ct, raw/ct/labels"), "{error}");
+            assert!(
+                error.to_string().contains("raw/ct, raw/ct/labels"),
+                "{error}"
+            );
         }
         let error = chosen(&[("a", true), ("b", true)], None).unwrap_err();
         assert!(error.to_string().contains("there are 2 things"), "{error}");

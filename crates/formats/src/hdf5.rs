@@ -3,7 +3,7 @@
 //! The crate `hdf5-reader` knows the container: groups, types, chunks, filters. [`parts`] finds the arrays and takes
 //! the one that is asked for; [`meaning`] says which axes are space, time and components; [`place`] where the grid
 //! lies; [`voxels`] reads one time step in slabs. Axes are in C order: the last one is x, unless names say otherwise.
-//! An array whose bytes lie in one run is left there to be mapped ([`plain_run`]).
+//! An array whose bytes lie in one run is left there to be mapped ([`layout`]).
 //!
 //! What the file says of sizes is held against its length here before anything is read: streams of deflate grow at
 //! most a thousandfold. [`guarded`] tells a panic of the crate as a broken file.
@@ -56,9 +56,10 @@ const HEADER_BYTES: usize = 1 << 22;
 
 /// Whether a file begins so; the head is long enough for user blocks of up to 1024 bytes.
 pub(crate) fn is_hdf5(head: &[u8]) -> bool {
-    [0, 512, 1024]
-        .into_iter()
-        .any(|at| head.get(at..).is_some_and(|rest| rest.starts_with(SIGNATURE)))
+    [0, 512, 1024].into_iter().any(|at| {
+        head.get(at..)
+            .is_some_and(|rest| rest.starts_with(SIGNATURE))
+    })
 }
 
 /// Opens the array that the options name.
@@ -68,8 +69,9 @@ pub(crate) fn open<'a>(
 ) -> Result<Opened<'a>, VolumeError> {
     guarded(|| {
         let file = file(input)?;
-        let parts = Parts::of(&file)?;
-        let part = parts.find(options.part.as_deref())?;
+        let name = options.part.as_deref();
+        let parts = Parts::of(&file, name)?;
+        let part = parts.find(name)?;
         let dataset = parts.dataset(part)?;
         let root = file.root_group().and_then(|root| root.attributes());
         let is_netcdf = root.is_ok_and(|list| list.iter().any(|one| one.name == "_NCProperties"));
@@ -110,6 +112,7 @@ fn opened(
     format: &str,
 ) -> Result<Opened<'static>, VolumeError> {
     let element = element::of(dataset)?;
+    let run = layout(input, file, dataset)?.filter(|_| !element.is_half);
     let attributes = Attributes::of(dataset.attributes());
     let mut warnings = Vec::new();
     let scales = parts.scales(dataset, &attributes);
@@ -161,11 +164,7 @@ fn opened(
         contents.components = crate::contents::Components::Colors;
     }
     contents.warnings = warnings;
-    let run = if missing.is_empty() {
-        plain_run(input, file, dataset, &element)
-    } else {
-        None
-    };
+    let run = run.filter(|_| missing.is_empty());
     let source = Source {
         dataset: dataset.clone(),
         element,
@@ -209,21 +208,25 @@ fn check_there(
     )))
 }
 
-/// Where the bytes of an array begin that lie in one run of the file, neither chunked nor filtered, nor elsewhere.
-fn plain_run(
+/// Where the bytes of an array begin that lie in one run of the file, neither chunked nor filtered; refuses those that
+/// lie in other files, which nobody has checked.
+fn layout(
     input: &Input<'_>,
     file: &Hdf5File,
     dataset: &Dataset,
-    element: &Stored,
-) -> Option<voxels::PlainRun> {
-    if input.is_memory() || element.is_half {
-        return None;
-    }
-    let header = file.get_or_parse_header(dataset.address()).ok()?;
-    let mut run = None;
+) -> Result<Option<voxels::PlainRun>, VolumeError> {
+    let header = file.get_or_parse_header(dataset.address());
+    let header = header.map_err(|error| told(&error))?;
+    let (mut run, mut filtered) = (None, false);
     for message in &header.messages {
         match message {
-            HdfMessage::ExternalFiles(_) | HdfMessage::FilterPipeline(_) => return None,
+            HdfMessage::ExternalFiles(_) => {
+                return Err(VolumeError::Unsupported(Trouble::new(
+                    "the values of the array lie in another file, as raw voxels",
+                    "give that file with its dimensions and type (`--dims`, `--type`)",
+                )));
+            }
+            HdfMessage::FilterPipeline(_) => filtered = true,
             HdfMessage::DataLayout(message) => {
                 if let DataLayout::Contiguous { address, size } = message.layout {
                     run = Some((address, size));
@@ -232,14 +235,18 @@ fn plain_run(
             _ => {}
         }
     }
-    let (address, size) = run?;
-    let offset = address.checked_add(file.superblock().base_address)?;
-    let end = offset.checked_add(size).filter(|&end| end <= input.len);
-    let bytes = dataset.raw_byte_len().ok()? as u64;
-    end.filter(|_| size == bytes).map(|_| voxels::PlainRun {
+    let bytes = dataset.raw_byte_len().map_err(|error| told(&error))?;
+    let offset = run
+        .filter(|&(_, size)| size == bytes as u64 && !filtered && !input.is_memory())
+        .and_then(|(address, size)| {
+            let offset = address.checked_add(file.superblock().base_address)?;
+            offset.checked_add(size).filter(|&end| end <= input.len)?;
+            Some(offset)
+        });
+    Ok(offset.map(|offset| voxels::PlainRun {
         file: input.path.clone(),
         offset,
-    })
+    }))
 }
 
 /// Calls the crate. It is careful, and panicked on none of many thousand forged files; should it on one, that is a

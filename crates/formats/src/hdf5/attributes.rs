@@ -52,6 +52,11 @@ impl Attributes {
     /// Texts of an attribute; one for an element.
     pub fn texts(&self, name: &str) -> Option<Vec<String>> {
         let texts = self.get(name)?.read_strings().ok()?;
-        Some(texts.iter().map(|text| cut(text.trim_end_matches('\0'))).collect())
+        Some(
+            texts
+                .iter()
+                .map(|text| cut(text.trim_end_matches('\0')))
+                .collect(),
+        )
     }
 }

@@ -26,7 +26,10 @@ impl Stored {
 pub(super) fn of(dataset: &Dataset) -> std::result::Result<Stored, VolumeError> {
     let unknown = |what: &str, remedy: &str| {
         Err(VolumeError::UnknownType(Trouble::new(
-            format!("the array {:?} holds {what}", crate::choice::cut(dataset.name())),
+            format!(
+                "the array {:?} holds {what}",
+                crate::choice::cut(dataset.name())
+            ),
             remedy,
         )))
     };
@@ -45,7 +48,9 @@ pub(super) fn of(dataset: &Dataset) -> std::result::Result<Stored, VolumeError> 
     let is_half = scalar_type.is_none();
     let scalar_type = scalar_type.unwrap_or(ScalarType::F32);
     let size = if is_half { 2 } else { scalar_type.size() };
-    let description = dataset.raw_datatype().map_err(|error| super::told(&error))?;
+    let description = dataset
+        .raw_datatype()
+        .map_err(|error| super::told(&error))?;
     if !is_usual(dataset.dtype(), &description, scalar_type, size) {
         return unknown(
             "numbers of an unusual layout (bits left out, or another kind of float)",
@@ -110,8 +115,23 @@ fn is_usual(dtype: &Datatype, description: &[u8], ty: ScalarType, size: usize) -
         Datatype::Enum { .. } => description.get(8..),
         _ => Some(description),
     };
-    let Some(&[_, flags, _, _, _, _, _, _, offset, offset_high, bits, bits_high, ref rest @ ..]) =
-        description
+    let Some(
+        &[
+            _,
+            flags,
+            _,
+            _,
+            _,
+            _,
+            _,
+            _,
+            offset,
+            offset_high,
+            bits,
+            bits_high,
+            ref rest @ ..,
+        ],
+    ) = description
     else {
         return false;
     };
@@ -144,7 +164,11 @@ impl<T: Element> H5Type for Bits<T> {
         let bytes = bytes.get(..size_of::<T>());
         let bytes = bytes.ok_or_else(|| Error::InvalidData("an element is cut off".into()))?;
         let value = bytemuck::pod_read_unaligned::<T>(bytes);
-        Ok(Self(if is_swapped(dtype) { value.swapped() } else { value }))
+        Ok(Self(if is_swapped(dtype) {
+            value.swapped()
+        } else {
+            value
+        }))
     }
 
     fn element_size(_dtype: &Datatype) -> usize {

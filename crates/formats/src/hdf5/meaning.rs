@@ -76,7 +76,8 @@ impl Meaning {
             let axes = 0..kinds.len();
             axes.filter(|&axis| kinds[axis] == Kind::Unknown).collect()
         };
-        let named = |kinds: &[Kind], i: usize| kinds.iter().position(|kind| *kind == Kind::Space(i));
+        let named =
+            |kinds: &[Kind], i: usize| kinds.iter().position(|kind| *kind == Kind::Space(i));
         let by_name: Vec<usize> = (0..3).filter_map(|i| named(&kinds, i)).collect();
         let repeated = kinds.iter().filter(|kind| matches!(kind, Kind::Space(_)));
         if !by_name.is_empty() && repeated.count() == by_name.len() {
@@ -167,7 +168,10 @@ mod tests {
     #[test]
     fn names_go_before_numbers() {
         assert_eq!(of(&[9, 8, 7], &[]), Some((vec![2, 1, 0], None)));
-        assert_eq!(of(&[9, 8, 7], &["x", "y", "z"]), Some((vec![0, 1, 2], None)));
+        assert_eq!(
+            of(&[9, 8, 7], &["x", "y", "z"]),
+            Some((vec![0, 1, 2], None))
+        );
         assert_eq!(of(&[9, 8, 7, 3], &[]), Some((vec![2, 1, 0], None)));
         assert_eq!(of(&[9, 8, 7, 6], &[]), Some((vec![3, 2, 1], Some(0))));
         assert_eq!(of(&[9, 8, 7, 6, 2], &[]), Some((vec![3, 2, 1], Some(0))));

@@ -30,9 +30,12 @@ pub(super) struct Part {
 pub(super) struct Parts(Vec<Part>);
 
 impl Parts {
-    pub fn of(file: &Hdf5File) -> Result<Self, VolumeError> {
+    /// Finds all arrays; and the one at the path `name`, whichever links lead there.
+    pub fn of(file: &Hdf5File, name: Option<&str>) -> Result<Self, VolumeError> {
         let root = file.root_group().map_err(|error| told(&error))?;
         let mut seen = HashSet::from([root.address()]);
+        let name = name.map(|name| name.trim_matches('/'));
+        let named = name.and_then(|name| Some((name, file.dataset(name).ok()?)));
         let mut parts = Vec::new();
         let mut groups = vec![(root, String::new(), 0)];
         let mut looked = 0;
@@ -56,10 +59,15 @@ impl Parts {
                 if looked > MOST_OBJECTS {
                     break;
                 }
-                parts.push(Part {
-                    path: below(name),
-                    dataset: group.dataset(name),
-                });
+                let dataset = group.dataset(name);
+                // Links may lead to an array twice.
+                if !dataset
+                    .as_ref()
+                    .is_ok_and(|one| !seen.insert(one.address()))
+                {
+                    let path = below(name);
+                    parts.push(Part { path, dataset });
+                }
             }
             for name in inner.iter().filter(|name| name.len() < LONGEST_NAME) {
                 looked += 1;
@@ -73,6 +81,13 @@ impl Parts {
                     groups.push((inner, below(name), depth + 1));
                 }
             }
+        }
+        if let Some((path, dataset)) = named {
+            parts.retain(|part| part.path != path);
+            parts.push(Part {
+                path: path.to_owned(),
+                dataset: Ok(dataset),
+            });
         }
         parts.sort_by(|a, b| alphanumeric_sort::compare_str(&a.path, &b.path));
         Ok(Self(parts))
@@ -190,7 +205,9 @@ impl Scale {
         // What NetCDF-4 writes for dimensions without coordinates.
         let named = attributes.text("NAME").unwrap_or_default();
         let bare = named.starts_with("This is a netCDF dimension but not a netCDF variable");
-        let few = dataset.num_elements().is_ok_and(|count| count <= MOST_VALUES);
+        let few = dataset
+            .num_elements()
+            .is_ok_and(|count| count <= MOST_VALUES);
         let values = (!bare && few && dataset.ndim() == 1)
             .then(|| dataset.read_array::<element::Number>().ok())
             .flatten();

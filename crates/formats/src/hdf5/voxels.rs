@@ -58,11 +58,9 @@ impl Data for Source {
     }
 
     fn run(&self, step: u32, _limits: &Limits) -> Result<Option<FileRun>, VolumeError> {
-        let (Some((from, count)), true, Some(run)) = (
-            self.axes.run_of_step(step),
-            self.axes.is_plain(),
-            &self.run,
-        ) else {
+        let (Some((from, count)), true, Some(run)) =
+            (self.axes.run_of_step(step), self.axes.is_plain(), &self.run)
+        else {
             return Ok(None);
         };
         Ok(Some(FileRun {
@@ -89,9 +87,8 @@ impl Source {
         let count = count.fold(1_u64, u64::saturating_mul);
         let bytes = count.saturating_mul(size_of::<T>() as u64);
         let what = self.axes.describe(self.element.scalar_type);
-        let too_large = |cause: String, remedy: &str| {
-            Err(VolumeError::TooLarge(Trouble::new(cause, remedy)))
-        };
+        let too_large =
+            |cause: String, remedy: &str| Err(VolumeError::TooLarge(Trouble::new(cause, remedy)));
         let Ok(len) = usize::try_from(count) else {
             return too_large(format!("{what} are {count} voxels"), "correct the shape");
         };
@@ -111,7 +108,9 @@ impl Source {
         let chunk = chunk.and_then(|chunk| chunk.get(slowest).copied());
         let chunk = u64::from(chunk.unwrap_or(1)).max(1);
         let row_bytes = bytes / (whole[slowest].1 - whole[slowest].0).max(1);
-        let rows = (SLAB_BYTES / row_bytes.max(1) / chunk).max(1).saturating_mul(chunk);
+        let rows = (SLAB_BYTES / row_bytes.max(1) / chunk)
+            .max(1)
+            .saturating_mul(chunk);
 
         let mut values: Vec<T> = Vec::new();
         let (mut from, end) = whole[slowest];
@@ -121,7 +120,10 @@ impl Source {
             slab[slowest] = (from, to);
             self.append(&slab, &mut values)?;
             // The first slab was there: the others may be as well.
-            if values.try_reserve_exact(len.saturating_sub(values.len())).is_err() {
+            if values
+                .try_reserve_exact(len.saturating_sub(values.len()))
+                .is_err()
+            {
                 return too_large(format!("memory does not hold {what}"), "free memory");
             }
             from = to;
