@@ -172,6 +172,13 @@ def places(folder):
     path = written(folder, "element_size.h5", sized)
     ok(path, data, np.diag([0.25, 0.5, 2.0]), unit="µm")
 
+    def unclear(file):
+        array = file.create_dataset("a", data=data)
+        array.attrs["spacing"] = [2.0, 0.5, 0.25]
+        array.attrs["origin"] = [0.0, 1.0, 2.0]
+    path = written(folder, "unclear.h5", unclear)
+    ok(path, data, note="a warning: see hdf5.rs")
+
     image = sitk.GetImageFromArray(data)
     image.SetSpacing((0.5, 0.75, 2))
     image.SetOrigin((10, -20, 30))
@@ -223,6 +230,10 @@ def netcdf(folder):
                  coords={"x": np.linspace(0, 1, 5), "y": np.linspace(2, 5, 4), "z": [0.0, 2.0, 4.0]},
                  attrs={"units": "kg m-3"}).to_netcdf(path, engine="h5netcdf")
     ok(path, xr.open_dataarray(path).values, np.diag([0.25, 1, 2]), (0, 2, 0))
+
+    path = os.path.join(folder, "uneven.nc")
+    xr.DataArray(data, dims=("z", "y", "x"), name="density", coords={"z": [0.0, 2.0, 10.0]}).to_netcdf(path)
+    ok(path, data, np.diag([1, 1, 5]))
 
     path = os.path.join(folder, "masked.nc")
     with netCDF4.Dataset(path, "w") as file:

@@ -7,6 +7,7 @@ use volgraph_volume::{Trouble, VolumeError};
 
 use super::metadata::{Node, inside, node};
 use super::ome;
+use super::store::Store;
 use crate::choice::{Candidate, choose};
 
 /// Deepest level of groups that are looked into, and most folders that are looked at.
@@ -24,10 +25,10 @@ pub(super) struct Part {
 }
 
 /// The part that is named, or the one that is meant where nothing is: the only one, or the image that is no label.
-pub(super) fn find(folder: &Path, name: Option<&str>) -> Result<Part, VolumeError> {
+pub(super) fn find(store: &Store, folder: &Path, name: Option<&str>) -> Result<Part, VolumeError> {
     let mut parts = Vec::new();
     let mut looked = 0;
-    collect(folder, "", 0, &mut looked, &mut parts)?;
+    collect(store, folder, "", 0, &mut looked, &mut parts)?;
     if parts.is_empty() {
         return Err(VolumeError::MissingField(Trouble::new(
             "this Zarr group has no array and no image",
@@ -46,6 +47,7 @@ pub(super) fn find(folder: &Path, name: Option<&str>) -> Result<Part, VolumeErro
 }
 
 fn collect(
+    store: &Store,
     root: &Path,
     path: &str,
     depth: usize,
@@ -66,7 +68,7 @@ fn collect(
         }
     };
     let folder = inside(root, path)?;
-    let found = match node(&folder) {
+    let found = match node(store, &folder) {
         // One array that is not read (of text, of dates) does not spoil its neighbours: who names it is told why.
         Err(_) if depth > 0 => {
             parts.push(part(None));
@@ -86,11 +88,11 @@ fn collect(
         parts.push(part(Some(attributes)));
         // Its arrays are levels; labels are images of their own.
         let labels = below("labels");
-        if let Ok(Some(Node::Group { attributes, .. })) = node(&inside(root, &labels)?) {
+        if let Ok(Some(Node::Group { attributes, .. })) = node(store, &inside(root, &labels)?) {
             for name in ome::listed_labels(&attributes) {
                 let path = format!("{labels}/{name}");
                 if let Ok(folder) = inside(root, &path)
-                    && let Ok(Some(Node::Group { attributes, .. })) = node(&folder)
+                    && let Ok(Some(Node::Group { attributes, .. })) = node(store, &folder)
                     && ome::is_image(&attributes)
                 {
                     parts.push(Part {
@@ -106,31 +108,13 @@ fn collect(
     if depth >= DEEPEST {
         return Ok(());
     }
-    let unreadable = |error: std::io::Error| {
-        VolumeError::Unreadable(Trouble::new(
-            format!("cannot be listed: {error}"),
-            "check its permissions",
-        ))
-        .in_file(&folder)
-    };
-    let mut names = Vec::new();
-    for entry in std::fs::read_dir(&folder).map_err(unreadable)? {
-        let entry = entry.map_err(unreadable)?;
-        if entry.path().is_dir()
-            && let Some(name) = entry.file_name().to_str()
-        {
-            names.push(name.to_owned());
-        }
-        if names.len() > MOST_FOLDERS {
-            break;
-        }
-    }
+    let mut names = store.folders(&folder, MOST_FOLDERS)?;
     alphanumeric_sort::sort_str_slice(&mut names);
     for name in names {
         if *looked >= MOST_FOLDERS {
             break;
         }
-        collect(root, &below(&name), depth + 1, looked, parts)?;
+        collect(store, root, &below(&name), depth + 1, looked, parts)?;
     }
     Ok(())
 }
