@@ -182,10 +182,7 @@ impl Source {
     }
 }
 
-fn mark<T: Copy + Send>(values: &mut [T], none: &[bool], nan: T)
-where
-    T: Sync,
-{
+fn mark<T: Copy + Send + Sync>(values: &mut [T], none: &[bool], nan: T) {
     values
         .par_iter_mut()
         .zip(none)
