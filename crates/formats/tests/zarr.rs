@@ -292,3 +292,14 @@ fn a_region_reads_the_inner_chunks_it_needs_alone() {
     assert_eq!(error.code(), "volume-data-corrupt");
     assert!(error.to_string().contains("c/0/0/0"));
 }
+
+/// The chunks of a shard are read from one open file by many threads.
+#[test]
+fn chunks_of_a_shard_do_not_mix() {
+    let (_folder, path) = one("v3_sharded");
+    let want = load(&path, &LoadOptions::default()).unwrap();
+    for _ in 0..200 {
+        let again = load(&path, &LoadOptions::default()).unwrap();
+        assert_eq!(again.voxels(), want.voxels());
+    }
+}

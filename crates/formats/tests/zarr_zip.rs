@@ -55,7 +55,7 @@ fn archives_read_as_zarr_python_reads_them_and_as_their_folders() {
         assert_eq!(statistics.max, row["max"].parse::<f64>().unwrap(), "{case}");
         let want: f64 = row["weighted"].parse().unwrap();
         assert!((weighted(&volume) - want).abs() < 1e-9, "{case}");
-        assert_eq!(volume.source_files(), [path.clone()], "{case}");
+        assert_eq!(volume.source_files(), std::slice::from_ref(&path), "{case}");
 
         // The same in a folder, and in memory.
         let unpacked = folder.path().join("unpacked");

@@ -2,13 +2,14 @@
 //! (`a.zarr.zip/0/zarr.json`).
 
 use std::fs::File;
-use std::io::{self, ErrorKind, Read as _, Seek as _, SeekFrom};
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use volgraph_volume::{Trouble, VolumeError};
 
 use super::zip::{Entry, Zip};
+use crate::bricks::read_at;
 
 /// A place of files; a clone is the same place.
 #[derive(Clone, Debug)]
@@ -145,15 +146,15 @@ impl Open {
             ))
         };
         match self {
-            Self::File { file, .. } => {
-                let mut bytes = Vec::new();
-                let mut file = file;
-                let read = file
-                    .seek(SeekFrom::Start(from))
-                    .and_then(|_| file.take(count).read_to_end(&mut bytes));
-                match read {
-                    Ok(got) if got as u64 == count => Ok(bytes),
-                    Ok(got) => Err(too_short(got as u64)),
+            Self::File { file, len } => {
+                if from.checked_add(count).is_none_or(|end| end > *len) {
+                    return Err(too_short(len.saturating_sub(from)));
+                }
+                // Several chunks of a shard are read from one file at once: it must not be one place that moves.
+                let mut bytes = vec![0; usize::try_from(count).map_err(|_| too_short(0))?];
+                match read_at(file, &mut bytes, from) {
+                    Ok(()) => Ok(bytes),
+                    Err(error) if error.kind() == ErrorKind::UnexpectedEof => Err(too_short(0)),
                     Err(error) => Err(unreadable(Path::new(""), &error)),
                 }
             }
