@@ -16,7 +16,7 @@ use crate::rescale::Rescale;
 use crate::stored::FileRun;
 
 /// Bytes of a slab, about.
-const SLAB_BYTES: u64 = 1 << 26;
+const SLAB_BYTES: u64 = 1 << 25;
 
 /// An array whose elements lie together.
 pub(super) struct PlainRun {
