@@ -1,9 +1,10 @@
 //! Zarr v2 and v3 in a folder or a zip archive, with or without OME-Zarr's metadata (0.1 to 0.5).
 //!
 //! A folder with `zarr.json`, `.zgroup` or `.zarray` is one thing: `parts` finds its images and arrays and takes the
-//! one that is asked for; `image` makes axes and placement of it; `array` reads boxes of voxels out of chunks, with
-//! `run` brings them in, with the bounds on what they may be in `codecs` and `packed`; `store` is where files lie, in a folder or a `zip`. Level and time step are read alone. [`Pyramid`] is the way in for
-//! who wants single boxes of several levels.
+//! one that is asked for; `image` makes axes and placement of it; `array` reads boxes of voxels out of chunks, which
+//! `run` brings in, with the bounds on what they may be in `codecs` and `packed`. All of them ask a `store` for files,
+//! which is a folder or a `zip`. Level and time step are read alone. [`Pyramid`] is the way in for who wants single
+//! boxes of several levels.
 //! Source: <https://zarr-specs.readthedocs.io/>, <https://ngff.openmicroscopy.org/0.5/>.
 
 mod array;

@@ -95,22 +95,19 @@ impl Source {
             };
             let chosen = format!("{index} {component:?}");
             let is_image = contents.about.format.contains("Zarr");
-            let (fields, tie) = match is_image {
-                true => {
-                    let pyramid = Arc::new(Pyramid::open(path, options)?);
-                    let fields = own_levels(&pyramid, &levels, cache);
-                    let file = contents.data_files.first().map_or(path, PathBuf::as_path);
-                    let tie = tie_of_image(file, &pyramid, &chosen)?;
-                    (fields, tie)
-                }
-                false => {
-                    let limits = Limits::new(None, None);
-                    let run = reader.opened().data.run(index, &limits)?;
-                    let voxels = reader.grid().voxel_count();
-                    let run = run.filter(|run| run.count == voxels).ok_or_else(no_run)?;
-                    let tie = tie_of_file(&run, &chosen)?;
-                    (vec![Field::of_run(run, reader.grid().dims, mapped)?], tie)
-                }
+            let (fields, tie) = if is_image {
+                let pyramid = Arc::new(Pyramid::open(path, options)?);
+                let fields = own_levels(&pyramid, &levels, cache);
+                let file = contents.data_files.first().map_or(path, PathBuf::as_path);
+                let tie = tie_of_image(file, &pyramid, &chosen)?;
+                (fields, tie)
+            } else {
+                let limits = Limits::new(None, None);
+                let run = reader.opened().data.run(index, &limits)?;
+                let voxels = reader.grid().voxel_count();
+                let run = run.filter(|run| run.count == voxels).ok_or_else(no_run)?;
+                let tie = tie_of_file(&run, &chosen)?;
+                (vec![Field::of_run(run, reader.grid().dims, mapped)?], tie)
             };
             let Some(scalar_type) = fields.first().map(|field| field.scalar_type) else {
                 return Err(no_run());
