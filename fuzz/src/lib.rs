@@ -20,4 +20,6 @@ pub use folders::{bricks, zarr};
 pub use forgive::{forgive_decoders, forgive_naga};
 pub use meshes::mesh;
 pub use text::{graph, plan, shader, transfer};
-pub use volumes::{dicom, metaimage, nifti, npy, nrrd, pictures, raw_name, recognise, tiff, vti};
+pub use volumes::{
+    dicom, hdf5, metaimage, nifti, npy, nrrd, pictures, raw_name, recognise, tiff, vti, zarr_zip,
+};

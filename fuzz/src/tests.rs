@@ -32,7 +32,7 @@ fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
 
 #[test]
 fn every_seed_passes() {
-    let targets: [(&str, Target); 17] = [
+    let targets: [(&str, Target); 19] = [
         ("raw_name", raw_name),
         ("nrrd", nrrd),
         ("metaimage", metaimage),
@@ -43,6 +43,8 @@ fn every_seed_passes() {
         ("nifti", nifti),
         ("vti", vti),
         ("npy", npy),
+        ("hdf5", hdf5),
+        ("zarr_zip", zarr_zip),
         ("dicom", dicom),
         ("tiff", tiff),
         ("pictures", pictures),
@@ -98,7 +100,14 @@ fn most_seeds_of_volumes_are_good_input() {
             refused.push(format!("{target}/{name}"));
         }
     };
-    for (target, at) in [("nifti", 0), ("vti", 0), ("npy", 0), ("recognise", 1)] {
+    for (target, at) in [
+        ("nifti", 0),
+        ("vti", 0),
+        ("npy", 0),
+        ("hdf5", 0),
+        ("zarr_zip", 0),
+        ("recognise", 1),
+    ] {
         for (name, bytes) in seeds(target) {
             let volume = from_bytes("seed", &bytes[at + 1..], &options(bytes[at]));
             note(target, &name, volume.err().map(|error| error.to_string()));

@@ -66,6 +66,16 @@ pub fn npy(data: &[u8]) {
     one("fuzzed.npy", data);
 }
 
+/// An HDF5 file.
+pub fn hdf5(data: &[u8]) {
+    one("fuzzed.h5", data);
+}
+
+/// A zip archive of a Zarr hierarchy.
+pub fn zarr_zip(data: &[u8]) {
+    one("fuzzed.zarr.zip", data);
+}
+
 /// A DICOM file, or the files of a series (see [`slices`]).
 pub fn dicom(data: &[u8]) {
     slices("dcm", data);
@@ -82,7 +92,7 @@ pub fn pictures(data: &[u8]) {
 }
 
 /// Names of every ending that means something to the readers, and some that should mean nothing.
-const NAMES: [&str; 24] = [
+const NAMES: [&str; 26] = [
     "a.nrrd",
     "a.nhdr",
     "a.mha",
@@ -107,6 +117,8 @@ const NAMES: [&str; 24] = [
     "DICOMDIR",
     "",
     "a.",
+    "a.h5",
+    "a.zip",
 ];
 
 /// Any bytes as a file of any name: the first byte chooses the name and whether the options describe raw voxels,

@@ -29,6 +29,7 @@ mod tally;
 use volgraph_volume::Histogram;
 
 pub use build::{BuildOptions, Built, build};
+pub(crate) use field::read_at;
 pub use levels::BrickLevel;
 pub use source::pyramid_path;
 pub use store::{BrickStore, StoreOptions};

@@ -12,21 +12,21 @@ use volgraph_volume::{Trouble, VolumeError};
 use crate::contents::Opened;
 use crate::input::Input;
 use crate::load::LoadOptions;
-use crate::{dicom, metaimage, nifti, npy, nrrd, raw, stack, tiff, vti};
+use crate::{dicom, hdf5, metaimage, nifti, npy, nrrd, raw, stack, tiff, vti, zarr};
 
 /// Files of a folder that are looked at to tell whether it holds a volume.
 const MOST_LOOKED_AT: usize = 256;
 
 /// Bytes that are looked at to recognise a format.
-const HEAD: u64 = 1024;
+const HEAD: u64 = 2048;
 
 /// What a file looks like from outside.
 pub(crate) struct Head {
     /// The file's name without its folder.
     pub name: String,
-    /// At most the first 1024 bytes.
+    /// At most the first 2048 bytes.
     pub bytes: Vec<u8>,
-    /// At most the first 1024 bytes of what a gzip stream holds; empty where it is none.
+    /// At most the first 2048 bytes of what a gzip stream holds; empty where it is none.
     pub unpacked: Vec<u8>,
 }
 
@@ -140,6 +140,21 @@ pub(crate) const FORMATS: &[Format] = &[
         recognises: |head| npy::is_npy(&head.bytes),
         opens: Opens::One(npy::open),
     },
+    Format {
+        name: "Zarr in a zip archive",
+        endings: zarr::ENDINGS,
+        begins: "PK",
+        recognises: zarr::is_zip,
+        opens: Opens::One(zarr::open_zip),
+    },
+    // The last one: its user block may be anything.
+    Format {
+        name: "HDF5",
+        endings: &[".h5", ".hdf5", ".he5"],
+        begins: "\\x89HDF",
+        recognises: |head| hdf5::is_hdf5(&head.bytes),
+        opens: Opens::One(hdf5::open),
+    },
 ];
 
 /// The format of a file by its content.
@@ -151,7 +166,7 @@ pub(crate) fn recognise(head: &Head) -> Option<&'static Format> {
 /// formats, a Zarr folder, a file of a known format, or one whose name describes raw voxels.
 #[must_use]
 pub fn is_volume(path: &Path) -> bool {
-    if crate::zarr::is_zarr(path) {
+    if zarr::is_hierarchy(path) {
         return true;
     }
     let is_one = |path: &Path| {
@@ -185,11 +200,10 @@ pub(crate) fn open_file<'a>(
         return nifti::open(&header, options);
     }
     let looks_like = sniff(&head.bytes);
-    if looks_like == "a zip archive" && [".zarr.zip", ".ozx"].iter().any(|end| head.ends_with(end))
-    {
+    if looks_like == CLASSIC {
         return Err(VolumeError::Unsupported(Trouble::new(
-            "a Zarr folder in a zip archive is not read",
-            "unpack the archive, and give the folder",
+            "NetCDF files of the classic format are not read",
+            "make a NetCDF-4 file of it: `nccopy -k nc4 OLD.nc NEW.nc`",
         )));
     }
     let promised = FORMATS
@@ -207,6 +221,10 @@ pub(crate) fn open_file<'a>(
     if described || raw::names_raw(&head.name) {
         return raw::open(input, &head.name, looks_like, options);
     }
+    // Archives that are not called so, and whose first entry is any.
+    if looks_like == "a zip archive" {
+        return zarr::open_zip(input, options);
+    }
     let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
     Err(VolumeError::UnknownFormat(Trouble::new(
         format!("this is no volume format that is read here; it looks like {looks_like}"),
@@ -217,9 +235,12 @@ pub(crate) fn open_file<'a>(
     )))
 }
 
+/// NetCDF before it was HDF5.
+const CLASSIC: &str = "a classic NetCDF file";
+
 /// What a file looks like by its first bytes, for messages.
 pub(crate) fn sniff(head: &[u8]) -> &'static str {
-    const MAGIC: [(&[u8], &str); 17] = [
+    const MAGIC: [(&[u8], &str); 20] = [
         (b"\x89PNG", "a PNG picture"),
         (b"\xff\xd8\xff", "a JPEG picture"),
         (b"GIF8", "a GIF picture"),
@@ -230,6 +251,9 @@ pub(crate) fn sniff(head: &[u8]) -> &'static str {
         (b"BZh", "a bzip2 stream"),
         (b"PK\x03\x04", "a zip archive"),
         (b"\x89HDF", "an HDF5 file"),
+        (b"CDF\x01", CLASSIC),
+        (b"CDF\x02", CLASSIC),
+        (b"CDF\x05", CLASSIC),
         (b"\x5c\x01\0\0", "a NIfTI file"),
         (b"\0\0\x01\x5c", "a NIfTI file"),
         (b"\x1c\x02\0\0", "a NIfTI-2 file"),

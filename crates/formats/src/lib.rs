@@ -14,11 +14,13 @@
 
 mod axes;
 pub mod bricks;
+mod choice;
 mod contents;
 mod data_files;
 mod dicom;
 mod fields;
 mod format;
+mod hdf5;
 mod input;
 mod load;
 pub mod metaimage;

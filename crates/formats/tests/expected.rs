@@ -1,4 +1,5 @@
-//! NIfTI, VTI and NumPy against what nibabel, VTK and NumPy read (`make_expected_nifti_vti_npy.py`).
+//! NIfTI, VTI, NumPy and HDF5 against what nibabel, VTK and NumPy (`make_expected_nifti_vti_npy.py`), h5py, netCDF4,
+//! xarray and SimpleITK read (`make_hdf5.py`).
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod common;
@@ -24,4 +25,9 @@ fn npy_reads_as_numpy_reads_it() {
     if !compare_all(include_str!("expected_npy.tsv")) {
         println!("no shared test data: the files of other software were not read");
     }
+}
+
+#[test]
+fn hdf5_reads_as_its_writers_read_it() {
+    compare_all(include_str!("expected_hdf5.tsv"));
 }

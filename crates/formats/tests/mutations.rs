@@ -1,4 +1,4 @@
-//! NIfTI, VTI and NumPy files with something broken in them: a volume or an error that says something, never a panic.
+//! NIfTI, VTI, NumPy and HDF5 files with something broken in them: a volume or an error that says something, never a panic.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod common;
@@ -191,6 +191,11 @@ fn broken_vti_is_refused_or_read() {
 #[test]
 fn broken_npy_is_refused_or_read() {
     mutants(include_str!("expected_npy.tsv"), 3);
+}
+
+#[test]
+fn broken_hdf5_is_refused_or_read() {
+    mutants(include_str!("expected_hdf5.tsv"), 4);
 }
 
 /// A file of 1 GiB by its own word: the header of one compressed block and what it holds.

@@ -154,3 +154,24 @@ fn vti_says_where_its_values_lie() {
     let corner = cells.grid().corners_world()[0];
     assert_eq!(corner.to_array(), [0.5, 2.5, 1.0]);
 }
+
+/// NetCDF marks cells without a value by a number that would spoil every histogram.
+#[test]
+fn cells_without_a_value_are_not_a_number() {
+    use std::io::Read as _;
+    let rows = common::table(include_str!("expected_hdf5.tsv"));
+    let row = rows.iter().find(|row| row["file"] == "masked.nc").unwrap();
+    let (_, packed) = row["bytes"].split_once(':').unwrap();
+    let mut bytes = Vec::new();
+    flate2::read::ZlibDecoder::new(common::unhex(packed).as_slice())
+        .read_to_end(&mut bytes)
+        .unwrap();
+    let volume = volgraph_formats::from_bytes("masked.nc", &bytes, &LoadOptions::default());
+    let volume = volume.unwrap();
+    let none: Vec<bool> = (0..24).map(|i| volume.voxels().get(i).is_nan()).collect();
+    assert_eq!(none.iter().filter(|none| **none).count(), 2);
+    assert!(none[3] && none[23]);
+    assert_eq!(volume.statistics().max, 22.0);
+    assert_eq!(volume.about().format, "NetCDF-4");
+    assert_eq!(volume.about().value_unit.as_deref(), Some("K"));
+}

@@ -292,3 +292,28 @@ fn a_region_reads_the_inner_chunks_it_needs_alone() {
     assert_eq!(error.code(), "volume-data-corrupt");
     assert!(error.to_string().contains("c/0/0/0"));
 }
+
+/// The chunks of a shard are read from one open file by many threads.
+#[test]
+fn chunks_of_a_shard_do_not_mix() {
+    let folder = tempfile::tempdir().unwrap();
+    let metadata = serde_json::json!({
+        "zarr_format": 3, "node_type": "array", "shape": [256, 32, 32], "data_type": "uint8", "fill_value": 0,
+        "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [256, 32, 32]}},
+        "chunk_key_encoding": {"name": "default"},
+        "codecs": [{"name": "sharding_indexed", "configuration": {
+            "chunk_shape": [1, 32, 32], "codecs": [{"name": "bytes"}],
+            "index_codecs": [{"name": "bytes", "configuration": {"endian": "little"}}]}}],
+    });
+    let path = folder.path();
+    fs::write(path.join("zarr.json"), metadata.to_string()).unwrap();
+    let mut shard: Vec<u8> = (0..=255).flat_map(|slice: u8| [slice; 1024]).collect();
+    let index = (0..256_u64).flat_map(|slice| [1024 * slice, 1024]);
+    shard.extend(index.flat_map(u64::to_le_bytes));
+    fs::create_dir_all(path.join("c/0/0")).unwrap();
+    fs::write(path.join("c/0/0/0"), &shard).unwrap();
+    for _ in 0..50 {
+        let volume = load(path, &LoadOptions::default()).unwrap();
+        assert_eq!(volume.voxels().as_bytes(), &shard[..256 << 10]);
+    }
+}

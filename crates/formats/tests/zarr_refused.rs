@@ -320,16 +320,6 @@ fn a_wrong_checksum_is_seen() {
     assert!(error.trouble().cause.contains("checksum"), "{error}");
 }
 
-#[test]
-fn zipped_folders_are_refused_with_the_way_out() {
-    for name in ["a.zarr.zip", "a.ozx"] {
-        let bytes = b"PK\x03\x04 and so on";
-        let error = volgraph_formats::from_bytes(name, bytes, &LoadOptions::default()).unwrap_err();
-        assert_eq!(error.code(), "volume-unsupported");
-        assert!(error.trouble().remedy.contains("unpack"));
-    }
-}
-
 /// Numbers for changes, the same in every run.
 struct Random(u64);
 

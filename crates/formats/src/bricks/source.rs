@@ -94,22 +94,20 @@ impl Source {
                 ..contents.about.clone()
             };
             let chosen = format!("{index} {component:?}");
-            let (fields, tie) = match zarr::folder(path) {
-                Some(folder) => {
-                    let pyramid = Arc::new(Pyramid::open(&folder, options)?);
-                    let fields = own_levels(&pyramid, &levels, cache);
-                    let file = contents.data_files.first().cloned().unwrap_or(folder);
-                    let tie = tie_of_image(&file, &pyramid, &chosen)?;
-                    (fields, tie)
-                }
-                None => {
-                    let limits = Limits::new(None, None);
-                    let run = reader.opened().data.run(index, &limits)?;
-                    let voxels = reader.grid().voxel_count();
-                    let run = run.filter(|run| run.count == voxels).ok_or_else(no_run)?;
-                    let tie = tie_of_file(&run, &chosen)?;
-                    (vec![Field::of_run(run, reader.grid().dims, mapped)?], tie)
-                }
+            let is_image = contents.about.format.contains("Zarr");
+            let (fields, tie) = if is_image {
+                let pyramid = Arc::new(Pyramid::open(path, options)?);
+                let fields = own_levels(&pyramid, &levels, cache);
+                let file = contents.data_files.first().map_or(path, PathBuf::as_path);
+                let tie = tie_of_image(file, &pyramid, &chosen)?;
+                (fields, tie)
+            } else {
+                let limits = Limits::new(None, None);
+                let run = reader.opened().data.run(index, &limits)?;
+                let voxels = reader.grid().voxel_count();
+                let run = run.filter(|run| run.count == voxels).ok_or_else(no_run)?;
+                let tie = tie_of_file(&run, &chosen)?;
+                (vec![Field::of_run(run, reader.grid().dims, mapped)?], tie)
             };
             let Some(scalar_type) = fields.first().map(|field| field.scalar_type) else {
                 return Err(no_run());
@@ -190,7 +188,7 @@ fn tie_of_file(run: &FileRun, chosen: &str) -> Result<Tie, VolumeError> {
 
 fn tie_of_image(file: &Path, pyramid: &Pyramid, chosen: &str) -> Result<Tie, VolumeError> {
     let metadata = file.metadata().map_err(|error| unreadable(file, &error))?;
-    let text = std::fs::read(file).map_err(|error| unreadable(file, &error))?;
+    let text = pyramid.metadata()?;
     let mut hasher = blake3::Hasher::new();
     hasher.update(chosen.as_bytes()).update(&text);
     if let Some(level) = pyramid.levels().next().copied() {

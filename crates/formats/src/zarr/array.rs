@@ -11,7 +11,8 @@ use volgraph_volume::{Element, ScalarType, Trouble, VolumeError, Voxels, for_sca
 
 use super::codecs::Codecs;
 use super::metadata::Meta;
-use super::run::{Open, Run, Task, cell, each_index};
+use super::run::{Run, Task, cell, each_index};
+use super::store::Store;
 use crate::load::Limits;
 
 /// Most chunks of one box: each costs a look at the disk.
@@ -33,6 +34,7 @@ const MOST_RATIO: u64 = 1 << 15;
 #[derive(Debug)]
 pub(super) struct Array {
     pub meta: Meta,
+    pub store: Store,
     folder: PathBuf,
 }
 
@@ -74,9 +76,10 @@ impl Box {
 }
 
 impl Array {
-    pub fn new(folder: &Path, meta: Meta) -> Self {
+    pub fn new(store: &Store, folder: &Path, meta: Meta) -> Self {
         Self {
             meta,
+            store: store.clone(),
             folder: folder.to_path_buf(),
         }
     }
@@ -184,8 +187,8 @@ impl Array {
         let mut there = 0_u64;
         each_index(&needed.cells(&self.meta.chunk), |index| {
             if there.saturating_mul(MOST_FILL) < bytes {
-                let file = std::fs::metadata(self.folder.join(self.meta.keys.name(index)));
-                let len = file.map_or(0, |file| file.len());
+                let file = self.folder.join(self.meta.keys.name(index));
+                let len = self.store.len(&file);
                 there = there.saturating_add(len.saturating_mul(ratio).min(chunk_bytes));
             }
             Ok(())
@@ -256,6 +259,7 @@ impl Array {
             match &self.meta.codecs.shard {
                 None => run.push(Task {
                     file,
+                    open: None,
                     range: None,
                     place,
                 }),
@@ -272,10 +276,18 @@ impl Array {
         // It was held against the limit, which fits.
         let len = task.place.size.iter().product::<u64>() as usize * size;
         let read = || -> Result<Option<Vec<u8>>, VolumeError> {
-            let Some(mut open) = Open::file(&task.file)? else {
-                return Ok(None);
+            let opened;
+            let open = match &task.open {
+                Some(open) => open.as_ref(),
+                None => match self.store.open(&task.file, most_packed(len as u64))? {
+                    Some(open) => {
+                        opened = open;
+                        &opened
+                    }
+                    None => return Ok(None),
+                },
             };
-            let (from, bytes) = task.range.unwrap_or((0, open.len));
+            let (from, bytes) = task.range.unwrap_or((0, open.len()));
             if codecs.is_plain() && bytes != len as u64 {
                 return Err(VolumeError::DataCorrupt(Trouble::new(
                     format!("a chunk of {bytes} bytes, and it needs {len}"),
@@ -293,4 +305,9 @@ impl Array {
             None => &self.meta.codecs,
         }
     }
+}
+
+/// Most bytes of a file that has so many bytes of voxels: packing may make them a little more.
+pub(super) fn most_packed(len: u64) -> u64 {
+    len.saturating_add(len / 4).saturating_add(1 << 16)
 }

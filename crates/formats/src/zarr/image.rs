@@ -9,6 +9,7 @@ use super::array::{Array, Box as Region};
 use super::metadata::{Meta, Node, inside, node};
 use super::ome::{self, Axis, Kind};
 use super::parts::Part;
+use super::store::Store;
 use crate::axes::{Axes, complete_basis};
 use crate::contents::{Components, Contents};
 
@@ -29,26 +30,36 @@ pub(super) struct Image {
 
 impl Image {
     /// A level of a part: level 0 alone where it is a plain array.
-    pub fn open(folder: &Path, part: &Part, level: u32) -> Result<Self, VolumeError> {
+    pub fn open(
+        store: &Store,
+        folder: &Path,
+        part: &Part,
+        level: u32,
+    ) -> Result<Self, VolumeError> {
         let folder = inside(folder, &part.path)?;
         match &part.image {
-            Some(attributes) => Self::of_ome(&folder, ome::image(attributes)?, level),
+            Some(attributes) => Self::of_ome(store, &folder, ome::image(attributes)?, level),
             None => {
                 if level > 0 {
                     return Err(no_level(level, 1));
                 }
-                Self::plain(&folder, meta(&folder, "")?)
+                Self::plain(store, &folder, meta(store, &folder, "")?)
             }
         }
     }
 
-    fn of_ome(folder: &Path, image: ome::Image, level: u32) -> Result<Self, VolumeError> {
+    fn of_ome(
+        store: &Store,
+        folder: &Path,
+        image: ome::Image,
+        level: u32,
+    ) -> Result<Self, VolumeError> {
         let count = image.levels.len();
         let one = image
             .levels
             .get(level as usize)
             .ok_or_else(|| no_level(level, count))?;
-        let meta = meta(folder, &one.path)?;
+        let meta = meta(store, folder, &one.path)?;
         if meta.shape.len() != image.axes.len() {
             let (have, said) = (meta.shape.len(), image.axes.len());
             return Err(VolumeError::BadValue(Trouble::new(
@@ -57,7 +68,7 @@ impl Image {
             ))
             .in_file(&meta.file));
         }
-        let array = Array::new(&inside(folder, &one.path)?, meta);
+        let array = Array::new(store, &inside(folder, &one.path)?, meta);
         let (space, time) = roles(&image.axes)?;
         Ok(Self {
             array,
@@ -71,7 +82,7 @@ impl Image {
     }
 
     /// An array that nobody explains: its names where they say x, y, z, t, else the last three axes are z, y, x.
-    fn plain(folder: &Path, meta: Meta) -> Result<Self, VolumeError> {
+    fn plain(store: &Store, folder: &Path, meta: Meta) -> Result<Self, VolumeError> {
         let rank = meta.shape.len();
         let names = meta.names.clone().or_else(|| {
             // What xarray writes into version 2.
@@ -119,7 +130,7 @@ impl Image {
             translation: vec![0.0; rank],
             axes,
             ome: None,
-            array: Array::new(folder, meta),
+            array: Array::new(store, folder, meta),
         })
     }
 
@@ -244,7 +255,7 @@ impl Image {
                 ));
             }
         }
-        contents.data_files = vec![meta.file.clone()];
+        contents.data_files = vec![self.array.store.file_of(&meta.file)];
         Ok(contents)
     }
 
@@ -295,9 +306,9 @@ fn no_level(level: u32, count: usize) -> VolumeError {
     ))
 }
 
-fn meta(folder: &Path, path: &str) -> Result<Meta, VolumeError> {
+fn meta(store: &Store, folder: &Path, path: &str) -> Result<Meta, VolumeError> {
     let folder = inside(folder, path)?;
-    match node(&folder)? {
+    match node(store, &folder)? {
         Some(Node::Array(meta)) => Ok(*meta),
         _ => Err(VolumeError::DataFile(Trouble::new(
             "is no Zarr array, and the group's metadata says it is one",

@@ -2,8 +2,6 @@
 //!
 //! The JSON is read by the crate `zarrs_metadata`; here it becomes plain values that were checked one by one.
 
-use std::fs::File;
-use std::io::Read as _;
 use std::path::{Component, Path, PathBuf};
 
 use serde_json::{Map, Value};
@@ -13,9 +11,10 @@ use zarrs_metadata::v3::{ArrayMetadataV3, GroupMetadataV3};
 
 use super::codecs::Codecs;
 use super::element::{Stored, fill_bytes, type_of_v2, type_of_v3, unknown_type};
+use super::store::Store;
 
 /// Most bytes of a metadata file.
-const LONGEST: u64 = 16 << 20;
+pub(super) const LONGEST: u64 = 16 << 20;
 
 /// Most axes of an array.
 const MOST_AXES: usize = 16;
@@ -83,21 +82,21 @@ pub(super) fn inside(root: &Path, path: &str) -> Result<PathBuf, VolumeError> {
 }
 
 /// What a folder is; `None` where it has no Zarr metadata.
-pub(super) fn node(folder: &Path) -> Result<Option<Node>, VolumeError> {
+pub(super) fn node(store: &Store, folder: &Path) -> Result<Option<Node>, VolumeError> {
     let file = folder.join("zarr.json");
-    if let Some(value) = json(&file)? {
+    if let Some(value) = json(store, &file)? {
         return of_v3(value, &file)
             .map(Some)
             .map_err(|error| error.in_file(&file));
     }
     let attributes = |default: Map<String, Value>| -> Result<Map<String, Value>, VolumeError> {
-        Ok(match json(&folder.join(".zattrs"))? {
+        Ok(match json(store, &folder.join(".zattrs"))? {
             Some(Value::Object(attributes)) => attributes,
             _ => default,
         })
     };
     let file = folder.join(".zarray");
-    if let Some(value) = json(&file)? {
+    if let Some(value) = json(store, &file)? {
         let meta = of_v2(value, &file).and_then(|meta| {
             let attributes = attributes(meta.attributes.clone())?;
             Ok(Meta { attributes, ..meta })
@@ -107,7 +106,7 @@ pub(super) fn node(folder: &Path) -> Result<Option<Node>, VolumeError> {
     }
     if [".zgroup", ".zattrs"]
         .iter()
-        .any(|name| folder.join(name).is_file())
+        .any(|name| store.has(&folder.join(name)))
     {
         return Ok(Some(Node::Group {
             attributes: attributes(Map::new())?,
@@ -117,23 +116,19 @@ pub(super) fn node(folder: &Path) -> Result<Option<Node>, VolumeError> {
 }
 
 /// A file's JSON; `None` where there is no such file.
-fn json(file: &Path) -> Result<Option<Value>, VolumeError> {
-    let failed = |cause: String| {
-        let remedy = "check the file, its permissions and the disk";
-        Err(VolumeError::Unreadable(Trouble::new(cause, remedy)).in_file(file))
-    };
-    if !file.is_file() {
+fn json(store: &Store, file: &Path) -> Result<Option<Value>, VolumeError> {
+    if !store.has(file) {
         return Ok(None);
     }
-    let mut bytes = Vec::new();
-    let read = File::open(file).and_then(|open| open.take(LONGEST + 1).read_to_end(&mut bytes));
-    match read {
-        Err(error) => return failed(format!("cannot be read: {error}")),
-        Ok(_) if bytes.len() as u64 > LONGEST => {
-            return failed(format!("metadata of more than {LONGEST} bytes"));
-        }
-        Ok(_) => {}
+    let Some(open) = store.open(file, LONGEST)? else {
+        return Ok(None);
+    };
+    if open.len() > LONGEST {
+        let cause = format!("metadata of more than {LONGEST} bytes");
+        let remedy = "check the file, its permissions and the disk";
+        return Err(VolumeError::Unreadable(Trouble::new(cause, remedy)).in_file(file));
     }
+    let bytes = open.read_all().map_err(|error| error.in_file(file))?;
     serde_json::from_slice(&bytes).map(Some).map_err(|error| {
         VolumeError::HeaderSyntax(Trouble::new(
             format!("is no valid JSON: {error}"),

@@ -39,19 +39,22 @@ impl Pyramid {
     /// A [`VolumeError`] that names the file, the cause and the remedy.
     pub fn open(path: &Path, options: &LoadOptions) -> Result<Self, VolumeError> {
         let opened = || {
-            let folder = super::folder(path).ok_or_else(|| {
+            let (store, folder) = super::place(path)?.ok_or_else(|| {
                 VolumeError::UnknownFormat(Trouble::new(
                     "is no Zarr folder",
                     "give a folder with zarr.json, .zgroup or .zarray in it",
                 ))
             })?;
-            let part = parts::find(&folder, options.part.as_deref())?;
-            let first = Image::open(&folder, &part, 0)?;
+            let part = parts::find(&store, &folder, options.part.as_deref())?;
+            let first = Image::open(&store, &folder, &part, 0)?;
             let (step, component) = chosen(&first, options)?;
             let count = u32::try_from(first.level_count()).unwrap_or(u32::MAX);
             let mut levels = vec![level(first, options)?];
             for number in 1..count {
-                levels.push(level(Image::open(&folder, &part, number)?, options)?);
+                levels.push(level(
+                    Image::open(&store, &folder, &part, number)?,
+                    options,
+                )?);
             }
             Ok(Self {
                 folder,
@@ -62,6 +65,18 @@ impl Pyramid {
             })
         };
         opened().map_err(|error: VolumeError| error.in_file(path))
+    }
+
+    /// The metadata of level 0 as it is written, which tells the image from others.
+    pub(crate) fn metadata(&self) -> Result<Vec<u8>, VolumeError> {
+        let Some((Image { array, .. }, _)) = self.levels.first() else {
+            return Ok(Vec::new());
+        };
+        let file = &array.meta.file;
+        let open = array.store.open(file, super::metadata::LONGEST)?;
+        open.map_or(Ok(Vec::new()), |open| {
+            open.read_all().map_err(|error| error.in_file(file))
+        })
     }
 
     /// The levels, finest first.

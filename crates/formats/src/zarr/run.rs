@@ -1,19 +1,21 @@
 //! Chunks on their way into a box: looked for, read and decoded in batches, copied.
 
-use std::fs::File;
-use std::io::{self, ErrorKind, Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use rayon::prelude::*;
-use volgraph_volume::{Trouble, VolumeError};
+use volgraph_volume::VolumeError;
 
-use super::array::{Array, Box};
+use super::array::{Array, Box, most_packed};
 use super::codecs::Shard;
+use super::store::Open;
 use crate::load::Limits;
 
 /// One chunk to be read.
 pub(super) struct Task {
     pub file: PathBuf,
+    /// The file, where it was opened before: shards have many chunks.
+    pub open: Option<Arc<Open>>,
     /// Where it lies in a shard.
     pub range: Option<(u64, u64)>,
     pub place: Box,
@@ -52,62 +54,6 @@ pub(super) fn each_index(
     }
 }
 
-/// A chunk's file.
-pub(super) struct Open {
-    pub file: File,
-    pub len: u64,
-}
-
-impl Open {
-    /// `None` where there is none.
-    pub fn file(path: &Path) -> Result<Option<Self>, VolumeError> {
-        let open = || -> io::Result<Option<Self>> {
-            let file = match File::open(path) {
-                Ok(file) => file,
-                Err(error)
-                    if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) =>
-                {
-                    return Ok(None);
-                }
-                Err(error) => return Err(error),
-            };
-            let metadata = file.metadata()?;
-            if !metadata.is_file() {
-                return Err(io::Error::other("is no regular file"));
-            }
-            let len = metadata.len();
-            Ok(Some(Self { file, len }))
-        };
-        open().map_err(|error| unreadable(path, &error))
-    }
-
-    /// Bytes that are known to be in the file.
-    pub fn read(&mut self, from: u64, count: u64) -> Result<Vec<u8>, VolumeError> {
-        let mut bytes = Vec::new();
-        let read = || -> io::Result<usize> {
-            self.file.seek(SeekFrom::Start(from))?;
-            (&mut self.file).take(count).read_to_end(&mut bytes)
-        };
-        let mut read = read;
-        match read() {
-            Ok(got) if got as u64 == count => Ok(bytes),
-            Ok(got) => Err(VolumeError::DataTooShort(Trouble::new(
-                format!("has {got} of {count} bytes"),
-                "fetch the chunk again",
-            ))),
-            Err(error) => Err(unreadable(Path::new(""), &error)),
-        }
-    }
-}
-
-fn unreadable(path: &Path, error: &io::Error) -> VolumeError {
-    VolumeError::Unreadable(Trouble::new(
-        format!("cannot be read: {error}"),
-        "check the file, its permissions and the disk",
-    ))
-    .in_file(path)
-}
-
 /// Chunks on their way into a box.
 pub(super) struct Run<'a> {
     pub array: &'a Array,
@@ -139,22 +85,30 @@ impl Run<'_> {
         place: &Box,
         needed: &Box,
     ) -> Result<(), VolumeError> {
-        let Some(mut open) = Open::file(file)? else {
+        let voxels = place
+            .size
+            .iter()
+            .fold(1_u64, |all, &n| all.saturating_mul(n));
+        let size = self.array.meta.element.size as u64;
+        // Each chunk has a place in the index, and may be packed into more than it was.
+        let most = most_packed(voxels.saturating_mul(size.saturating_add(16)));
+        let Some(open) = self.array.store.open(file, most)? else {
             return Ok(());
         };
+        let open = Arc::new(open);
         let counts: Vec<u64> = place
             .size
             .iter()
             .zip(&shard.chunk)
             .map(|(outer, inner)| outer / inner)
             .collect();
-        let mut index = || {
+        let index = || {
             let count = counts
                 .iter()
                 .try_fold(1_u64, |product, &n| product.checked_mul(n));
             let count = count.unwrap_or(u64::MAX);
-            let (from, size) = shard.index_range(count, open.len)?;
-            shard.index(open.read(from, size)?, count, open.len)
+            let (from, size) = shard.index_range(count, open.len())?;
+            shard.index(open.read(from, size)?, count, open.len())
         };
         let index = index().map_err(|error| error.in_file(file))?;
         let Some(here) = place.overlap(needed) else {
@@ -180,6 +134,7 @@ impl Run<'_> {
             }
             self.push(Task {
                 file: file.to_path_buf(),
+                open: Some(Arc::clone(&open)),
                 range: Some(range),
                 place: chunk,
             })

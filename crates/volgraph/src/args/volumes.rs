@@ -124,7 +124,7 @@ pub struct ConvertArgs {
 /// `volgraph pyramid`.
 #[derive(ClapArgs, Debug)]
 pub struct PyramidArgs {
-    /// The volume: raw voxels, or uncompressed NRRD, MetaImage, NIfTI or NumPy with one value per voxel, or a Zarr folder.
+    /// The volume: raw voxels, or uncompressed NRRD, MetaImage, NIfTI, NumPy or HDF5 with one value per voxel, or Zarr.
     #[command(flatten)]
     pub volume: VolumeArgs,
     /// The folder of the pyramid; by default NAME.pyramid.zarr beside the volume, where it is looked for.

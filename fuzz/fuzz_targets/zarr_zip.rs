@@ -1,0 +1,5 @@
+//! See [`volgraph_fuzz::zarr_zip`].
+
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(init: volgraph_fuzz::forgive_decoders(), |data: &[u8]| volgraph_fuzz::zarr_zip(data));
