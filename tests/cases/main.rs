@@ -53,3 +53,4 @@ mod tables;
 mod tiles;
 mod units;
 mod uploads;
+mod walks;

@@ -31,8 +31,10 @@ fn file_of(choice: &str) -> std::path::PathBuf {
 pub fn declared(choice: &str) -> f64 {
     let text = std::fs::read_to_string(file_of(choice)).unwrap();
     let orders = declared_orders(&file_of(choice), &text).unwrap();
+    let defaults = [("attenuation", "exact"), ("lookup", "bilinear")];
     order_where(&orders, |param| {
-        (param == "attenuation").then(|| "exact".to_owned())
+        let default = defaults.iter().find(|(name, _)| *name == param);
+        default.map(|(_, choice)| (*choice).to_owned())
     })
     .unwrap()
 }

@@ -107,6 +107,7 @@ impl Offered<'_> {
                 values,
                 base: 0,
                 is_software: false,
+                of_choice: self.choice_of(name),
             })
             .collect()
     }
@@ -125,6 +126,15 @@ impl Offered<'_> {
 
     fn spec(&self, name: &str) -> Option<&ParamSpec> {
         self.specs.iter().find(|spec| spec.name == name)
+    }
+
+    /// The slot among those that are compared, and the choice for it, whose file declares a parameter.
+    pub fn choice_of(&self, name: &str) -> Option<(String, String)> {
+        let place = self.spec(name)?.place.as_ref()?;
+        let file = Path::new(&place.file);
+        let slot = file.parent()?.file_name()?.to_str()?;
+        let is_slot = METHOD_SLOTS.contains(&slot) && self.is_slot(slot);
+        is_slot.then_some((slot.to_owned(), file.file_stem()?.to_str()?.to_owned()))
     }
 
     /// The graph's own choice or value.

@@ -39,6 +39,7 @@ pub(super) fn axes(plan: &Plan, id: NodeId, filters: &[Filter]) -> (Option<Axis>
         values,
         base: 0,
         is_software: false,
+        of_choice: None,
     };
     let is_choice = !renderer.values.is_empty() && !is_alone;
     (is_choice.then_some(renderer), software)
@@ -157,5 +158,6 @@ fn axis(name: &str, values: Vec<ParamValue>) -> Axis {
         values,
         base: 0,
         is_software: true,
+        of_choice: None,
     }
 }

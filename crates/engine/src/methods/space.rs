@@ -29,6 +29,8 @@ pub struct Axis {
     pub base: usize,
     /// Whether it is one of the software raycaster in place of the node.
     pub is_software: bool,
+    /// The slot and the choice for it whose file declares it: others know nothing of it.
+    pub of_choice: Option<(String, String)>,
 }
 
 impl Axis {
@@ -111,6 +113,7 @@ impl MethodSpace {
                     values,
                     base: 0,
                     is_software: false,
+                    of_choice: offered.choice_of(&filter.name),
                 }),
             }
         }
@@ -137,6 +140,15 @@ impl MethodSpace {
         axes.retain(|axis| {
             axis.name != "attenuation" || has_integrals[usize::from(axis.is_software)]
         });
+        let offers = |(slot, choice): &(String, String)| {
+            let of_slot = |axis: &&Axis| axis.name == *slot && !axis.is_software;
+            let slot = axes.iter().find(of_slot);
+            slot.is_some_and(|axis| (0..axis.values.len()).any(|at| axis.text(at) == *choice))
+        };
+        let is_offered = |axis: &Axis| axis.of_choice.as_ref().is_none_or(offers);
+        let offered: Vec<bool> = axes.iter().map(is_offered).collect();
+        let mut offered = offered.into_iter();
+        axes.retain(|_| offered.next().unwrap_or(true));
         findings.into_result(Self {
             node: node.name.clone(),
             axes,
@@ -192,7 +204,12 @@ impl MethodSpace {
         }
         let draws = self.value(at, RENDERER, false).as_deref() == Some(SOFTWARE);
         let is_post = || self.value(at, "classify", axis.is_software).as_deref() == Some("post");
-        draws == axis.is_software && !(axis.name == "attenuation" && is_post())
+        let is_chosen = |(slot, choice): &(String, String)| {
+            self.value(at, slot, axis.is_software).as_ref() == Some(choice)
+        };
+        draws == axis.is_software
+            && !(axis.name == "attenuation" && is_post())
+            && axis.of_choice.as_ref().is_none_or(is_chosen)
     }
 
     /// A place with the base's value on the axes that do not apply there.

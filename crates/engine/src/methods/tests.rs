@@ -18,6 +18,7 @@ fn axis(name: &str, values: &[f64], base: usize) -> Axis {
             .collect(),
         base,
         is_software: false,
+        of_choice: None,
     }
 }
 

@@ -62,18 +62,18 @@ fn a_chart_has_a_row_a_point_and_pictures_for_each_method() {
         &[],
     );
     let survey = &json["charts"][0]["survey"];
-    // The software raycaster draws the post-classified ones as well.
-    assert_eq!(survey["product"], 6);
-    assert_eq!(survey["measured"].as_array().unwrap().len(), 6, "{survey}");
+    // The software raycaster draws the post-classified ones as well; only the table has a lookup.
+    assert_eq!(survey["product"], 8);
+    assert_eq!(survey["measured"].as_array().unwrap().len(), 8, "{survey}");
     assert_eq!(json["charts"][0]["truth"], "reference");
     assert!(json["charts"][0]["truth_seconds"].as_f64().unwrap() > 0.0);
     let table = text(&scratch, "out/ball.csv");
     let rows: Vec<&str> = table.lines().collect();
-    assert_eq!(rows.len(), 1 + 6);
+    assert_eq!(rows.len(), 1 + 8);
     assert!(rows[0].starts_with(
-        "renderer,classify,traverse,reconstruct,volume_storage,stage,step,early_termination,front,"
+        "renderer,classify,traverse,reconstruct,volume_storage,stage,lookup,step,early_termination,front,"
     ));
-    assert!(rows[1].starts_with("device,post,uniform,trilinear,r16float,compute,1.0,0.0,"));
+    assert!(rows[1].starts_with("device,post,uniform,trilinear,r16float,compute,,1.0,0.0,"));
     let column = |row: &str, name: &str| -> String {
         let at = rows[0].split(',').position(|it| it == name).unwrap();
         row.split(',').nth(at).unwrap().to_owned()
@@ -98,7 +98,7 @@ fn a_chart_has_a_row_a_point_and_pictures_for_each_method() {
     let chart = text(&scratch, "out/ball.svg");
     assert!(chart.contains("currentColor") && !chart.contains("#010101"));
     let page = text(&scratch, "out/index.html");
-    assert_eq!(page.matches("class=\"hit\"").count(), 6);
+    assert_eq!(page.matches("class=\"hit\"").count(), 8);
     assert!(page.contains("early termination") && page.contains("A &lt;ball&gt; in mist"));
     // Nothing is read from elsewhere.
     assert!(
@@ -106,7 +106,7 @@ fn a_chart_has_a_row_a_point_and_pictures_for_each_method() {
             .replace("http://www.w3.org/2000/svg", "")
             .contains("http")
     );
-    for number in 1..=6 {
+    for number in 1..=8 {
         for file in [
             format!("out/ball/{number:03}.png"),
             format!("out/ball/{number:03}-error.png"),

@@ -200,8 +200,8 @@ imported by shaders/slot/technique/dvr.wgsl:8, imported by shaders/node/raycast.
         [
             (B, 3, "imported here"),
             (A, 2, "imported here"),
-            ("shaders/slot/technique/dvr.wgsl", 7, "imported here"),
-            ("shaders/node/raycast.wgsl", 10, "imported here"),
+            ("shaders/slot/technique/dvr.wgsl", 8, "imported here"),
+            ("shaders/node/raycast.wgsl", 9, "imported here"),
         ]
     );
     let keys: Vec<_> = json[0]

@@ -21,6 +21,7 @@ fn exhibit() -> Exhibit {
             ],
             base: 0,
             is_software: false,
+            of_choice: None,
         }],
     };
     let summary = |median: f64| Summary {

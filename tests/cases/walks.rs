@@ -1,0 +1,58 @@
+//! In pairs or one by one: a walk's segments are the same.
+
+use volgraph::Picture;
+use volgraph_measure::compare_without_flip;
+use volgraph_tests::repository::{VOLUMES, graph_file};
+use volgraph_tests::{adapters, load, start};
+
+const SIZE: [u32; 2] = [48, 40];
+
+/// The picture of a ready graph, and its plan's shader says how it walks.
+fn render(name: &str, backend: &str, sets: &[&str]) -> Picture {
+    let scene =
+        load(&graph_file(name), sets).unwrap_or_else(|findings| panic!("{name}: {findings}"));
+    let mut session =
+        start(scene, backend, SIZE).unwrap_or_else(|findings| panic!("{name}: {findings}"));
+    let rendered = session.render();
+    rendered
+        .unwrap_or_else(|findings| panic!("{name}: {findings}"))
+        .0
+}
+
+fn largest(name: &str, backend: &str, sets: &[&str]) -> f64 {
+    let alone: Vec<&str> = [sets, &["image.slots.walk=segments"]].concat();
+    let [pairs, alone] = [sets, &alone].map(|sets| render(name, backend, sets));
+    compare_without_flip(&pairs, &alone).unwrap().max.error
+}
+
+/// Where rays run to their ends: but for the lengths of segments, which one by one are differences of two distances.
+#[test]
+fn pairs_are_what_segments_are() {
+    for name in VOLUMES.iter().chain(&["mip", "minip", "average", "xray"]) {
+        let is_projection = !VOLUMES.contains(name);
+        for backend in adapters() {
+            for step in ["image.step=1", "image.step=0.37", "image.step=9"] {
+                // The nearest entry of a table of tones may be the one beside.
+                let exact = if is_projection {
+                    "image.slots.tone=window"
+                } else {
+                    "image.early_termination=0"
+                };
+                let sets = [step, exact];
+                let error = largest(name, &backend, &sets);
+                assert!(error <= 1e-5, "{name} on {backend}, {step}: {error:e}");
+            }
+        }
+    }
+}
+
+/// Where they end early: no farther off than the light that is left.
+#[test]
+fn pairs_end_no_later_than_a_segment() {
+    for name in VOLUMES {
+        for backend in adapters() {
+            let error = largest(name, &backend, &["image.early_termination=0.01"]);
+            assert!(error <= 0.011, "{name} on {backend}: {error:e}");
+        }
+    }
+}
