@@ -56,3 +56,25 @@ fn pairs_end_no_later_than_a_segment() {
         }
     }
 }
+
+/// That a technique knows of pairs, its file says: a surface would be lost in every second segment.
+#[test]
+fn pairs_cannot_be_forced_upon_a_technique() {
+    let backend = &adapters()[0];
+    let sets = ["image.slots.walk=pairs"];
+    let scene =
+        load(&graph_file("isosurface"), &sets).unwrap_or_else(|findings| panic!("{findings}"));
+    let drawn = start(scene, backend, SIZE).and_then(|mut session| session.render().map(|_| ()));
+    let findings = drawn.unwrap_err().to_string();
+    assert!(findings.contains("@walks pairs"), "{findings}");
+}
+
+/// Where lights are is asked before their number is held against its range.
+#[test]
+fn as_many_lights_as_nobody_has_are_refused_at_once() {
+    let sets = ["image.slots.light=phong", "image.lights=9000000000000"];
+    let drawn = load(&graph_file("comparison"), &sets)
+        .and_then(|scene| start(scene, &adapters()[0], SIZE).map(|_| ()));
+    let findings = drawn.unwrap_err().to_string();
+    assert!(findings.contains("lights"), "{findings}");
+}

@@ -138,10 +138,19 @@ fn opened(
     );
     // NetCDF's marks of cells without a value.
     let missing = ["_FillValue", "missing_value"].into_iter();
-    let missing: Vec<f64> = missing.filter_map(number).collect();
+    let missing = missing.filter_map(|name| attributes.numbers(name));
+    let missing: Vec<f64> = missing
+        .flatten()
+        .map(|mark| element.nearest(mark))
+        .collect();
     let missing = if rescale.scalar_type.is_float() {
         missing
     } else {
+        if let Some(mark) = missing.first() {
+            warnings.push(format!(
+                "{mark} marks cells without a value: of integers it is drawn as the number that it is"
+            ));
+        }
         Vec::new()
     };
 

@@ -150,6 +150,13 @@ impl<'g> NodeContext<'g> {
             .map_or("", |choice| choice.choice.as_str())
     }
 
+    /// Whether the graph or the command line chose for a slot.
+    #[must_use]
+    pub fn is_slot_given(&self, name: &str) -> bool {
+        let choice = self.node().slots.get(name);
+        choice.is_some_and(|choice| choice.place.is_some())
+    }
+
     /// Whether the node's shader imports a slot.
     #[must_use]
     pub fn imports_slot(&self, name: &str) -> bool {

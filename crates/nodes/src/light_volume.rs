@@ -149,7 +149,8 @@ pub(crate) fn places_slot(node: &NodeContext<'_>) -> (String, String) {
 /// How many lights shine; `unsaid` where that is not said.
 fn most_lights(node: &NodeContext<'_>, unsaid: i64) -> i64 {
     match said(node, "lights") {
-        Some(ParamValue::Int(count)) => *count,
+        // Whether it is in its range is not known yet.
+        Some(ParamValue::Int(count)) => (*count).clamp(0, 4),
         Some(_) => 4,
         None => unsaid,
     }

@@ -311,6 +311,7 @@ impl NodeKind for Raycast {
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         check_walk(node)?;
+        walk::check_pairs(node)?;
         brick_proxy::check(node)?;
         brick_pool::check(node)?;
         if node.is_connected("behind")

@@ -17,5 +17,6 @@ fn lights_at(index: u32, world: vec3f, to_eye: vec3f) -> Light {
 
 // The unit direction half way between a light and the eye, where highlights are. The normal keeps opposite ones apart.
 fn lights_half_way(light: Light, to_eye: vec3f, normal: vec3f) -> vec3f {
-    return normalize(light.direction + to_eye + 1.0e-6 * normal);
+    let sum = light.direction + to_eye + 1.0e-6 * normal;
+    return sum * inverseSqrt(max(dot(sum, sum), 1.0e-30));
 }

@@ -133,8 +133,17 @@ impl Offered<'_> {
         let place = self.spec(name)?.place.as_ref()?;
         let file = Path::new(&place.file);
         let slot = file.parent()?.file_name()?.to_str()?;
-        let is_slot = METHOD_SLOTS.contains(&slot) && self.is_slot(slot);
-        is_slot.then_some((slot.to_owned(), file.file_stem()?.to_str()?.to_owned()))
+        if !METHOD_SLOTS.contains(&slot) || !self.is_slot(slot) {
+            return None;
+        }
+        // A choice of the user's own may be named by its path.
+        let program = self.node.program.as_ref();
+        let used = program.and_then(|program| program.module.linked.slots_used.get(slot));
+        let choice = match self.node.slots.get(slot) {
+            Some(own) if used == Some(&place.file) => own.choice.clone(),
+            _ => file.file_stem()?.to_str()?.to_owned(),
+        };
+        Some((slot.to_owned(), choice))
     }
 
     /// The graph's own choice or value.

@@ -17,6 +17,15 @@ pub(super) struct Stored {
 }
 
 impl Stored {
+    /// The number as elements hold it: a mark may be written with more digits than they have.
+    pub fn nearest(&self, number: f64) -> f64 {
+        match self.scalar_type {
+            _ if self.is_half => half::f16::from_f64(number).to_f64(),
+            ScalarType::F32 => f64::from(number as f32),
+            _ => number,
+        }
+    }
+
     pub fn is_byte(&self) -> bool {
         self.scalar_type == ScalarType::U8
     }
@@ -219,5 +228,37 @@ impl H5Type for Number {
 
     fn element_size(dtype: &Datatype) -> usize {
         scalar(dtype).map_or(0, |(ty, _)| ty.map_or(2, ScalarType::size))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_are_compared_as_elements_hold_them() {
+        let stored = |scalar_type, is_half| Stored {
+            scalar_type,
+            size: 4,
+            is_half,
+            big_endian: false,
+        };
+        let single = stored(ScalarType::F32, false);
+        assert_eq!(
+            single.nearest(1e20).to_bits(),
+            f64::from(1e20_f32).to_bits()
+        );
+        assert_eq!(
+            stored(ScalarType::F64, false).nearest(1e20).to_bits(),
+            1e20_f64.to_bits()
+        );
+        assert_eq!(
+            stored(ScalarType::F32, true).nearest(0.1).to_bits(),
+            0.099_975_585_937_5_f64.to_bits()
+        );
+        assert_eq!(
+            stored(ScalarType::I16, false).nearest(-999.0).to_bits(),
+            (-999.0_f64).to_bits()
+        );
     }
 }

@@ -19,7 +19,7 @@ use crate::load::Limits;
 const MOST_CHUNKS: u128 = 1 << 20;
 
 /// Bytes of chunks that are decoded before they are copied.
-const BATCH_BYTES: u64 = 1 << 28;
+pub(super) const BATCH_BYTES: u64 = 1 << 28;
 
 /// Bytes that may be nothing but the fill value.
 const FREE_BYTES: u64 = 1 << 26;
@@ -249,6 +249,8 @@ impl Array {
             limits,
             most,
             tasks: Vec::new(),
+            shards: 0,
+            held: 0,
             chunks: 0,
             of: chunks,
         };

@@ -6,10 +6,13 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use volgraph_volume::VolumeError;
 
-use super::array::{Array, Box, most_packed};
+use super::array::{Array, BATCH_BYTES, Box, most_packed};
 use super::codecs::Shard;
 use super::store::Open;
 use crate::load::Limits;
+
+/// Most shards that are open at a time: systems have a limit on files.
+const MOST_SHARDS: u64 = 64;
 
 /// One chunk to be read.
 pub(super) struct Task {
@@ -63,6 +66,9 @@ pub(super) struct Run<'a> {
     /// Tasks of a batch.
     pub most: usize,
     pub tasks: Vec<Task>,
+    /// Shards that tasks of the batch hold open, and the bytes of those that are in memory.
+    pub shards: u64,
+    pub held: u64,
     pub chunks: u64,
     pub of: u64,
 }
@@ -92,9 +98,14 @@ impl Run<'_> {
         let size = self.array.meta.element.size as u64;
         // Each chunk has a place in the index, and may be packed into more than it was.
         let most = most_packed(voxels.saturating_mul(size.saturating_add(16)));
+        if self.shards >= MOST_SHARDS || self.held >= BATCH_BYTES {
+            self.flush()?;
+        }
         let Some(open) = self.array.store.open(file, most)? else {
             return Ok(());
         };
+        self.shards += 1;
+        self.held = self.held.saturating_add(open.bytes_in_memory());
         let open = Arc::new(open);
         let counts: Vec<u64> = place
             .size
@@ -143,6 +154,7 @@ impl Run<'_> {
 
     pub fn flush(&mut self) -> Result<(), VolumeError> {
         let tasks = std::mem::take(&mut self.tasks);
+        (self.shards, self.held) = (0, 0);
         let decoded: Vec<_> = tasks
             .par_iter()
             .map(|task| self.array.decoded(task))

@@ -111,6 +111,14 @@ pub(super) enum Open {
 }
 
 impl Open {
+    /// Bytes of memory that it holds.
+    pub fn bytes_in_memory(&self) -> u64 {
+        match self {
+            Self::Bytes(bytes) => bytes.len() as u64,
+            Self::File { .. } | Self::Stored { .. } => 0,
+        }
+    }
+
     fn file(path: &Path) -> io::Result<Option<Self>> {
         let file = match File::open(path) {
             Ok(file) => file,

@@ -277,7 +277,9 @@ impl Zip {
         let packed = self.read(self.start(entry)?, entry.packed)?;
         let mut bytes = Vec::new();
         let stream = flate2::read::DeflateDecoder::new(packed.as_slice());
-        let read = stream.take(entry.size + 1).read_to_end(&mut bytes);
+        let read = stream
+            .take(entry.size.saturating_add(1))
+            .read_to_end(&mut bytes);
         read.map_err(|error| broken(format!("the deflated entry is broken: {error}")))?;
         if bytes.len() as u64 != entry.size {
             return Err(broken(format!(

@@ -10,6 +10,7 @@ use crate::encoding::Scalars;
 use crate::placement::{self, f32_value};
 use crate::preintegration::Preintegration;
 use crate::segmentation;
+use crate::transfer_table::transfers;
 
 /// The table nodes may be the user's own, with sizes of their own.
 pub(super) fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
@@ -36,6 +37,19 @@ pub(super) fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
                 "bad-param",
                 format!("its input `{port}` comes from a node without `{param}`"),
             ));
+        }
+    }
+    // Of a texture with several tables, places between entries are those of all together.
+    for port in ["preintegration_table", "preintegration_half_table"] {
+        if let Some(writer) = node.writer(port)
+            && transfers(&writer).is_ok_and(|tables| tables.len() > 1)
+        {
+            return Err(node
+                .error(
+                    "bad-table",
+                    format!("its input `{port}` holds the tables of several transfer functions"),
+                )
+                .help("give the node that makes it no `segments`"));
         }
     }
     Ok(())

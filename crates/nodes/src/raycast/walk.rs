@@ -193,12 +193,33 @@ pub(super) fn walk(node: &NodeContext<'_>, look: &str) -> String {
     walk.to_owned()
 }
 
+/// Pairs are for techniques that know of them, which their files say: no graph can.
+pub(super) fn check_pairs(node: &NodeContext<'_>) -> Result<(), Finding> {
+    if node.is_slot_given("walk") && node.slot("walk") == "pairs" {
+        let message = "its slot `walk` is `pairs`, which only the file of a technique can ask for";
+        return Err(node.error("bad-slot", message).help(
+            "leave the slot out, and write `// @walks pairs` into the technique's file if it may be walked so",
+        ));
+    }
+    Ok(())
+}
+
 /// Whether the table of segments, if there is one, is made for the walk's step: that of a user's own may not be.
 fn has_table_of_step(node: &NodeContext<'_>) -> bool {
     node.writer("preintegration_table").is_none_or(|writer| {
-        writer.kind_name() == Preintegration::Whole.name()
-            && writer.float("step").to_bits() == node.float("step").to_bits()
+        writer.kind_name() == Preintegration::Whole.name() && step_of(&writer) == step_of(node)
     })
+}
+
+/// The step that a node was given, which its shader declares; as bits, for steps are compared.
+fn step_of(node: &NodeContext<'_>) -> u64 {
+    let step = match node.param("step").or_else(|| node.given("step")) {
+        Some(ParamValue::Float(step)) => *step,
+        #[expect(clippy::cast_precision_loss, reason = "steps are small whole numbers")]
+        Some(ParamValue::Int(step)) => *step as f64,
+        _ => 1.0,
+    };
+    step.to_bits()
 }
 
 /// The members of the uniform `steepness` (see `lib/steepness.wgsl`).
