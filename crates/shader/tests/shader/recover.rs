@@ -243,6 +243,8 @@ fn one_mistake_in_a_real_shader_is_one_finding() {
         ("reconstruct", "trilinear"),
         ("traverse", "uniform"),
         ("leap", "none"),
+        ("walk", "pairs"),
+        ("light_places", "anywhere"),
         ("technique", "dvr"),
         ("classify", "preintegrated_2d"),
         ("gradient", "stored"),
