@@ -13,23 +13,23 @@ struct PhongLight {
     specular: vec3f,
 }
 
-// `normal` faces the eye; `is_surface` says that the point is on a surface, which lights behind do not reach, and not
+// What is `facing` is towards the eye; `is_surface` says that the point is on a surface, which lights behind do not reach, and not
 // inside of a volume.
-fn phong_light(world: vec3f, normal: vec3f, to_eye: vec3f, shininess: f32, is_surface: bool) -> PhongLight {
+fn phong_light(world: vec3f, facing: Facing, to_eye: vec3f, shininess: f32, is_surface: bool) -> PhongLight {
     var sum = PhongLight(vec3f(0.0), vec3f(0.0));
     // Without a loop numbers of lights are constants, and what is chosen by them is: a frame takes 0.6 of the time on
     // software drivers.
     if params.lights > 0u {
-        sum = phong_with(sum, 0u, world, normal, to_eye, shininess, is_surface);
+        sum = phong_with(sum, 0u, world, facing, to_eye, shininess, is_surface);
     }
     if params.lights > 1u {
-        sum = phong_with(sum, 1u, world, normal, to_eye, shininess, is_surface);
+        sum = phong_with(sum, 1u, world, facing, to_eye, shininess, is_surface);
     }
     if params.lights > 2u {
-        sum = phong_with(sum, 2u, world, normal, to_eye, shininess, is_surface);
+        sum = phong_with(sum, 2u, world, facing, to_eye, shininess, is_surface);
     }
     if params.lights > 3u {
-        sum = phong_with(sum, 3u, world, normal, to_eye, shininess, is_surface);
+        sum = phong_with(sum, 3u, world, facing, to_eye, shininess, is_surface);
     }
     return sum;
 }
@@ -39,15 +39,16 @@ fn phong_with(
     before: PhongLight,
     index: u32,
     world: vec3f,
-    normal: vec3f,
+    facing: Facing,
     to_eye: vec3f,
     shininess: f32,
     is_surface: bool,
 ) -> PhongLight {
     let light = lights_at(index, world, to_eye);
-    let diffuse = max(dot(normal, light.direction), 0.0);
+    let normal = facing.direction * facing.per_length;
+    let diffuse = max(dot(facing.direction, light.direction) * facing.per_length, 0.0);
     let half_way = lights_half_way(light, to_eye, normal);
-    let highlight = pow(max(dot(normal, half_way), 0.0), shininess);
+    let highlight = pow(max(dot(facing.direction, half_way) * facing.per_length, 0.0), shininess);
     // Nothing but the way to the light is in a branch: without one on it there is none.
     var seen = vec3f(0.0);
     if diffuse > 0.0 {
@@ -59,13 +60,13 @@ fn phong_with(
 }
 
 // Linear colour towards the eye of a point of a material.
-fn phong_color(material: Material, world: vec3f, normal: vec3f, to_eye: vec3f, is_surface: bool) -> vec3f {
-    let light = phong_light(world, normal, to_eye, material.shininess, is_surface);
+fn phong_color(material: Material, world: vec3f, facing: Facing, to_eye: vec3f, is_surface: bool) -> vec3f {
+    let light = phong_light(world, facing, to_eye, material.shininess, is_surface);
     return material.ambient + material.diffuse * light.diffuse + material.specular * light.specular;
 }
 
 // Linear colour of an opaque surface towards the eye.
 fn phong_surface(color: vec3f, point: SurfacePoint, ray: Ray) -> vec3f {
     let material = material_surface(color, point.scalar);
-    return phong_color(material, point.world, point.normal, -ray.direction, true) + environment_reflection(point, ray);
+    return phong_color(material, point.world, Facing(point.normal, 1.0), -ray.direction, true) + environment_reflection(point, ray);
 }

@@ -2,6 +2,8 @@
 #import "lib/frame.wgsl"
 
 struct Ray {
+    // The pixel position that it starts from, where it starts from one.
+    pixel: vec2f,
     // World position of the eye (or of the pixel on the eye's plane), and the unit direction. From an eye that is very far
     // away, the place that is `skipped` world units before it.
     origin: vec3f,
@@ -63,6 +65,7 @@ fn ray_through(pixel: vec2f) -> Ray {
     let plane = frame_view_plane(pixel) * lens.half_extent.y;
     let aside = plane.x * camera.right + plane.y * camera.up;
     var ray: Ray;
+    ray.pixel = pixel;
     if lens.is_orthographic != 0u {
         ray.origin = camera.anchor + aside;
         ray.direction = camera.forward;

@@ -20,18 +20,25 @@ fn surface_gradient_normal(ray: Ray, distance: f32) -> vec3f {
 // where the field is flat. Within a voxel behind a cut it turns from the cut's own normal to the field's: the cut is a
 // surface there, whatever the step is.
 fn surface_inner_normal(ray: Ray, distance: f32) -> vec3f {
+    let facing = surface_inner(ray, distance);
+    return facing.direction * facing.per_length;
+}
+
+// The same without the division that makes it a unit long.
+fn surface_inner(ray: Ray, distance: f32) -> Facing {
     let gradient = gradient_at(ray_position(ray, distance));
-    let magnitude = length(gradient);
+    let square = dot(gradient, gradient);
     // A change of one part in 10^4 of the range per voxel is noise of the storage, not a surface.
-    let is_flat = magnitude * volume.voxel < 1.0e-4 * volume.value_range;
-    let signed = select(magnitude, -magnitude, dot(gradient, ray.direction) > 0.0);
-    let facing = gradient / select(signed, 1.0, is_flat);
-    var normal = select(facing, vec3f(0.0), is_flat);
+    let least = 1.0e-4 * volume.value_range / volume.voxel;
+    let is_flat = square < least * least;
+    let per_length = inverseSqrt(select(square, 1.0, is_flat));
+    let signed = select(per_length, -per_length, dot(gradient, ray.direction) > 0.0);
+    let facing = Facing(gradient, select(signed, 0.0, is_flat));
     if any(ray.cut_normal != vec3f(0.0)) && distance < volume.voxel {
-        let blend = mix(ray.cut_normal, normal, distance / volume.voxel);
-        normal = blend / max(length(blend), 1.0e-6);
+        let blend = mix(ray.cut_normal, facing.direction * facing.per_length, distance / volume.voxel);
+        return Facing(blend, 1.0 / max(length(blend), 1.0e-6));
     }
-    return normal;
+    return facing;
 }
 
 // The normal of the cut that a part of a ray starts at, or of the face of the box; the field's where it starts at

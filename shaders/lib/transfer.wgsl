@@ -47,6 +47,14 @@ fn transfer_mean(front: f32, back: f32) -> vec4f {
     return max((whole + (rest + inside)) / change, vec4f(0.0));
 }
 
+// The optical depth that the nearest entry of the pre-integrated table stands for by its transmittance. Beyond a depth of 64, of
+// which no light is left, entries are as small as that still tells how deep they are: a part of a segment may let light
+// through that the whole one does not.
+fn transfer_depth(transmittance: f32) -> f32 {
+    let depth = -log(max(transmittance, 1.0e-37));
+    return select(depth, 64.0 * exp(depth - 64.0), depth > 64.0);
+}
+
 // Shares of a segment, of which the ends are so many entries from a table's first: before it enters the table, which
 // ends at `last`, within it, and behind it. Beyond the table its first and last entry hold.
 fn transfer_shares(ends: vec2f, last: f32) -> vec3f {

@@ -9,5 +9,5 @@ fn gradient_compute(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let per_index = gradient_estimate(vec3i(id)) / max(volume.value_range, 1.0e-30);
-    textureStore(gradient_out, id, gradient_encode(per_index));
+    textureStore(gradient_out, id, gradient_encode(per_index, volumes_load(vec3i(id))));
 }

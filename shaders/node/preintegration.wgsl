@@ -14,6 +14,8 @@ struct Preintegration {
     size: u32,
     columns: u32,
     tables: u32,
+    // Whether entries have transmittances in place of depths.
+    has_transmittances: u32,
 }
 
 @group(2) @binding(0) var<uniform> preintegration: Preintegration;
@@ -104,14 +106,24 @@ fn preintegration_cell(table: u32, cell: u32, share: f32) -> PreintegrationStret
     return stretch;
 }
 
+// The fourth number of an entry: its depth, or the share of light that passes through it; of great depths still a number
+// that `transfer_depth` finds them by.
+fn preintegration_fourth(depth: f32) -> f32 {
+    if preintegration.has_transmittances == 0u {
+        return depth;
+    }
+    return exp(-select(depth, 64.0 + log(max(depth, 64.0) / 64.0), depth > 64.0));
+}
+
 fn preintegration_write(table: u32, low: u32, cells: u32, stretch: PreintegrationStretch) {
     let high = low + cells;
     if high >= preintegration.size {
         return;
     }
     let tile = vec2u(table % preintegration.columns, table / preintegration.columns) * preintegration.size;
-    textureStore(table_out, tile + vec2u(low, high), vec4f(stretch.rising, stretch.depth));
-    textureStore(table_out, tile + vec2u(high, low), vec4f(stretch.falling, stretch.depth));
+    let fourth = preintegration_fourth(stretch.depth);
+    textureStore(table_out, tile + vec2u(low, high), vec4f(stretch.rising, fourth));
+    textureStore(table_out, tile + vec2u(high, low), vec4f(stretch.falling, fourth));
 }
 
 @compute @workgroup_size(8, 1, 1)

@@ -182,6 +182,11 @@ impl Gpu {
         self.summary.backend == "vulkan" && self.summary.name.contains("llvmpipe")
     }
 
+    /// Whether each read of a uniform costs time: drivers on the processor check and broadcast it every time.
+    pub(crate) fn reads_uniforms_slowly(&self) -> bool {
+        self.summary.class == "software"
+    }
+
     /// Whether command encoders can write timestamps that mean something. Drivers on the processor may write both ends of a
     /// compute pass after it (Mesa's llvmpipe keeps them with what is drawn, and computes at once); frame times say it all
     /// there.

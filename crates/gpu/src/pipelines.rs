@@ -7,7 +7,9 @@ use std::time::Instant;
 
 use volgraph_graph::{Blend, Digest, Geometry, NodeId, Pass, Plan, Program, ResourceKind};
 use volgraph_report::{Finding, Findings};
-use volgraph_shader::{Binding, Choices, GuardRequest, guard, specialise, with_room};
+use volgraph_shader::{
+    Binding, Choices, GuardRequest, guard, hoist_uniforms, specialise, with_room,
+};
 use wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, BlendComponent, BlendFactor, BlendOperation,
     BlendState, ColorTargetState, ColorWrites, CompareFunction, ComputePipeline,
@@ -188,6 +190,10 @@ fn module(
     // What cannot be specialised draws the same from its uniform.
     let special = specialise(&program.module, &key.choices, gpu.capabilities()).ok();
     let special = special.as_ref().unwrap_or(&program.module);
+    let hoisted = gpu
+        .reads_uniforms_slowly()
+        .then(|| hoist_uniforms(special, gpu.capabilities()).ok());
+    let special = hoisted.as_ref().and_then(Option::as_ref).unwrap_or(special);
     let mut guarded = guard(special, request, gpu.capabilities());
     // Without its guard a loop that does not end would take the device with it.
     if let Some(reason) = &guarded.unguarded {

@@ -280,6 +280,7 @@ fn dimension(ty: PortType) -> Option<TextureDim> {
         | PortType::ImageTexture
         | PortType::DistanceMap
         | PortType::StrideMap
+        | PortType::Spans
         | PortType::LightGrid => Some(TextureDim::D2),
         PortType::Table3d
         | PortType::BrickRanges

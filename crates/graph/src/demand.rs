@@ -273,6 +273,7 @@ fn is_texture(ty: crate::PortType) -> bool {
             | P::DistanceMap
             | P::BrickDetails
             | P::StrideMap
+            | P::Spans
             | P::LightGrid
     )
 }

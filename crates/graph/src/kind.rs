@@ -65,6 +65,8 @@ pub enum PortType {
     BrickDetails,
     /// A 2D texture with the slices of a grid of bricks side by side: how long the segments of each brick may be.
     StrideMap,
+    /// A 2D texture of the parts of rays that may see anything, tile by tile of the picture.
+    Spans,
     /// A 2D texture with the slices of a grid side by side: of four lights, the share that reaches a point.
     LightGrid,
     /// A buffer of triangles.
@@ -99,6 +101,7 @@ impl fmt::Display for PortType {
             Self::DistanceMap => "distance_map",
             Self::BrickDetails => "brick_details",
             Self::StrideMap => "stride_map",
+            Self::Spans => "spans",
             Self::LightGrid => "light_grid",
             Self::Mesh => "mesh",
             Self::Buffer => "buffer",

@@ -130,13 +130,19 @@ impl Encoding {
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "shaders compute in f32")]
     pub fn stored(&self, scalar: f64) -> f32 {
+        self.stored_texel(scalar) * self.scale as f32 + self.offset as f32
+    }
+
+    /// The texel of a data value, as shaders read it.
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "shaders compute in f32")]
+    pub fn stored_texel(&self, scalar: f64) -> f32 {
         let texel = self.texel(scalar);
-        let texel = match self.format {
+        match self.format {
             TextureFormat::R8Unorm => f32::from(unorm8(texel)) / 255.0,
             TextureFormat::R16Float => f16::from_f64(texel).to_f32(),
             _ => texel as f32,
-        };
-        texel * self.scale as f32 + self.offset as f32
+        }
     }
 
     /// The choice of the slot `volume_filter` that can read it: the device's filter, or loads where it has none.

@@ -108,12 +108,23 @@ impl NodeKind for Gradient {
                 format: StorageFormat::Rgba16Float,
                 ..
             }) => TextureFormat::Rgba16Float,
+            Some(BindingKind::StorageTexture {
+                format: StorageFormat::Rgba32Float,
+                ..
+            }) => TextureFormat::Rgba32Float,
             _ => {
                 return Err(node
                     .error("bad-storage", "its slot `gradient_storage` declares no texture `gradient_out` that can be filtered")
-                    .help("declare `gradient_out: texture_storage_3d<rgba16float, write>` or `<rgba8snorm, write>`"));
+                    .help("declare `gradient_out: texture_storage_3d<rgba16float, write>`, `<rgba32float, write>` or `<rgba8snorm, write>`"));
             }
         };
+        if format == TextureFormat::Rgba32Float && !node.limits().float32_filterable {
+            let message =
+                "its slot `gradient_storage` stores single floats, which this device cannot filter";
+            return Err(node
+                .error("unsupported-slot", message)
+                .help("choose the slot `gradient_storage` \"rgba16f\", or another adapter"));
+        }
         let dims = placement::volume(node, "volume")?.grid().dims;
         Ok(ResourceDesc::Texture {
             dimensions: 3,

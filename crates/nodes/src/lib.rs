@@ -35,11 +35,13 @@ pub mod proxy_box;
 pub mod raycast;
 pub mod reference;
 pub mod refraction_table;
+pub mod scout;
 pub mod segmentation;
 pub mod shear_warp;
 pub mod slices;
 pub mod software_raycast;
 pub mod source;
+pub mod step_table;
 pub mod stride_map;
 pub mod transfer_table;
 pub mod volume_texture;
@@ -83,6 +85,7 @@ pub fn progressive_registry(progressive: Progressive) -> Registry {
         .add_node(brick_ranges::BrickRanges)
         .add_node(brick_pool::BrickPool)
         .add_node(distance_map::DistanceMap)
+        .add_node(scout::Scout)
         .add_node(brick_details::BrickDetails)
         .add_node(stride_map::StrideMap)
         .add_node(volume_texture::VolumeTexture)
@@ -90,6 +93,7 @@ pub fn progressive_registry(progressive: Progressive) -> Registry {
         .add_node(label_texture::LabelTexture)
         .add_node(gradient::Gradient)
         .add_node(transfer_table::TransferTable)
+        .add_node(step_table::StepTable)
         .add_node(preintegration::Preintegration::Whole)
         .add_node(preintegration::Preintegration::Half)
         .add_node(integral_table::IntegralTable)

@@ -279,6 +279,7 @@ impl NodeKind for MultivolumeRaycast {
             ("transfer_tables", volumes),
             ("table_filter", table_filter),
             ("transfer_reach", "beyond"),
+            ("steps", "computed"),
             ("behind", behind),
             // What walks of their own would need, which there are none of.
             ("clip", "none"),

@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
 use volgraph_graph::{
     Demand, InputPort, Limits, NodeContext, NodeKind, OutputPort, Pass, PortType, ProgramSpec,
     Requirement, ResourceDesc, Size, Uniform, UploadBytes,
@@ -59,6 +60,9 @@ pub(crate) const INPUTS: &[InputPort] = &[
     },
 ];
 
+/// Inputs of kinds that integrate one transfer function over segments.
+pub(crate) const INPUTS_OF_ONE: &[InputPort] = &[INPUTS[0], INPUTS[2]];
+
 /// The same for this kind.
 const OWN_INPUTS: &[InputPort] = &[
     INPUTS[0],
@@ -89,12 +93,13 @@ pub(crate) const DEMANDED_PARAMS: &[(&str, &str)] = &[
     ("step", "step"),
     ("preintegration_size", "preintegration_size"),
     ("preintegration_built_on", "preintegration_built_on"),
+    ("lookup", "lookup"),
 ];
 
 const OUTPUTS: &[OutputPort] = &[OutputPort {
     name: "table",
     ty: PortType::Table2d,
-    doc: "Premultiplied colour and optical depth of a segment from front scalar (x) to back scalar (y).",
+    doc: "Premultiplied colour and optical depth of a segment from front scalar (x) to back scalar (y); for `lookup` `nearest`, its transmittance.",
 }];
 
 /// The parameter with the entries along a side, for kinds that call for this one.
@@ -119,6 +124,21 @@ pub fn built_on_param() -> ParamSpec {
     )
 }
 
+/// The parameter that says how the table is read.
+fn lookup_param() -> ParamSpec {
+    ParamSpec::choice(
+        "lookup",
+        &["bilinear", "nearest"],
+        "bilinear",
+        "How entries are looked up: between four of them optical depths are interpolated; of the nearest one the transmittance is known.",
+    )
+}
+
+/// Whether entries have transmittances in place of depths.
+fn has_transmittances(node: &NodeContext<'_>) -> bool {
+    node.text("lookup") == "nearest"
+}
+
 /// The parameter with the length of the segments.
 pub(crate) fn step_param() -> ParamSpec {
     ParamSpec::float("step", 1.0, "Length of the segments.")
@@ -140,6 +160,18 @@ pub(crate) fn segment_references(
     let voxel = placed(node, "volume")?.grid().min_spacing();
     let segment_world = node.float("step") * voxel;
     Ok(segment_world * transfer.reference_length().extinction_per_world(voxel))
+}
+
+/// The share of light that passes through an optical depth, as the nearest entry has it (`transfer_depth` in
+/// `lib/transfer.wgsl` takes it back): of depths beyond 64, of which no light is left, still a number that tells them.
+fn transmittance(depth: f32) -> f32 {
+    let depth = f64::from(depth);
+    let told = if depth > 64.0 {
+        64.0 + (depth / 64.0).ln()
+    } else {
+        depth
+    };
+    (-told).exp() as f32
 }
 
 /// Entries that one invocation of the shader makes (`PREINTEGRATION_WINDOWS`), on both sides of the diagonal.
@@ -217,7 +249,7 @@ impl NodeKind for Preintegration {
 
     fn params(&self) -> Vec<ParamSpec> {
         match self {
-            Self::Whole => vec![step_param(), size_param(), built_on_param()],
+            Self::Whole => vec![step_param(), size_param(), built_on_param(), lookup_param()],
             Self::Half => vec![step_param(), size_param()],
         }
     }
@@ -256,6 +288,10 @@ impl NodeKind for Preintegration {
             ("size", UniformValue::U32(size)),
             ("columns", UniformValue::U32(columns)),
             ("tables", UniformValue::U32(count)),
+            (
+                "has_transmittances",
+                UniformValue::U32(u32::from(has_transmittances(node))),
+            ),
         ])
     }
 
@@ -276,6 +312,7 @@ impl NodeKind for Preintegration {
             .collect::<Result<_, Finding>>()?;
         let size = node.uint("preintegration_size");
         let [columns, rows] = tiles(node.limits(), size, transfers.len()).map(|n| n as usize);
+        let has_transmittances = has_transmittances(node);
         let bytes = UploadBytes::new(move || {
             let side = size as usize;
             let mut entries = vec![[0.0_f32; 4]; side * columns * side * rows];
@@ -288,6 +325,11 @@ impl NodeKind for Preintegration {
                     let start = first + row * side * columns;
                     entries[start..start + side].copy_from_slice(line);
                 }
+            }
+            if has_transmittances {
+                entries
+                    .par_iter_mut()
+                    .for_each(|entry| entry[3] = transmittance(entry[3]));
             }
             Ok(bytemuck::cast_slice(&entries).to_vec())
         });

@@ -223,7 +223,15 @@ impl NodeKind for Raycast {
         let leaps = leaps(node);
         let walk = walk::walk(node, &leaps[1].1);
         fixed_slots.extend(leaps);
+        if walk::goes_by_spans(node, &walk, &fixed_slots) {
+            fixed_slots.insert("leap".to_owned(), "spans".to_owned());
+        }
         fixed_slots.insert("heed".to_owned(), walk::heed(node));
+        if walk::reads_beside_gradients(node, &walk) {
+            fixed_slots.insert("volumes".to_owned(), "beside_gradients".to_owned());
+        }
+        let steps = walk::steps(node, &walk);
+        fixed_slots.insert("steps".to_owned(), steps.to_owned());
         fixed_slots.insert("walk".to_owned(), walk);
         fixed_slots.insert("behind".to_owned(), behind.to_owned());
         fixed_slots.extend(beyond_slots(node));

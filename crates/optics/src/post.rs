@@ -1,6 +1,6 @@
 //! The table for post-classification: one scalar in, colour and extinction out.
 
-use crate::{OpticsError, TransferFunction};
+use crate::{OpticsError, TransferFunction, opacity_from_extinction};
 
 /// Colour and extinction at even places over the transfer function's range.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,6 +46,27 @@ impl TransferFunction {
         Ok(PostTable {
             entries: (0..n).map(entry).collect(),
         })
+    }
+
+    /// What a segment of `segment_length` reference lengths of one scalar emits towards its front (linear RGB,
+    /// premultiplied, attenuated by the segment itself), and the transmittance of the segment: at the same scalars as in
+    /// [`post_table`](Self::post_table), as many.
+    ///
+    /// # Errors
+    /// [`OpticsError::TableSize`], [`OpticsError::SegmentLength`].
+    pub fn step_table(&self, n: u32, segment_length: f64) -> Result<Vec<[f32; 4]>, OpticsError> {
+        PostTable::check_size(n, "classification of steps")?;
+        if !(segment_length.is_finite() && segment_length > 0.0) {
+            return Err(OpticsError::SegmentLength(segment_length));
+        }
+        let entry = |i| {
+            let s = node(self.range(), n, i);
+            let depth = self.extinction(s) * segment_length;
+            let opacity = opacity_from_extinction(depth);
+            let [r, g, b] = self.color(s).map(|c| (c * opacity) as f32);
+            [r, g, b, (-depth).exp() as f32]
+        };
+        Ok((0..n).map(entry).collect())
     }
 
     /// The refractive index at even places over the range, as many and at the same scalars as in

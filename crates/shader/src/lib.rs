@@ -14,6 +14,7 @@ mod diagnose;
 mod files;
 mod guard;
 mod head;
+mod hoist;
 mod items;
 mod layout;
 mod link;
@@ -39,6 +40,8 @@ pub use diagnose::DECLARED_HERE;
 pub use files::{DiskFiles, MemoryFiles, ShaderFiles};
 pub use guard::{GuardRequest, GuardSite, Guarded, Hazard, guard};
 pub use head::stated_choice;
+
+pub use hoist::hoist_uniforms;
 pub use layout::{Member, MemberType, ScalarType, StructLayout};
 pub use link::{LinkRequest, link};
 pub use linked::{Linked, LinkedFile, SegmentMap};

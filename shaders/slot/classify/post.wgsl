@@ -2,15 +2,17 @@
 // Order of convergence 2 in the step for smooth transfer functions.
 // @order 2
 #import "lib/classified.wgsl"
-#import "lib/transfer.wgsl"
+#import "lib/stretch_of_one.wgsl"
 #import slot "reconstruct"
+#import slot "steps"
 
 fn classify_segment(ray: Ray, segment: Segment) -> Classified {
     var scalar = segment.middle;
     if !segment.has_middle {
         scalar = reconstruct_scalar(segment_centre(ray, segment));
     }
-    let entry = transfer_at(scalar);
-    let transmittance = exp2(-entry.w * (segment.length * transfer.halvings_per_world));
-    return Classified(entry.xyz * (1.0 - transmittance), transmittance);
+    if segment.is_step {
+        return steps_at(scalar, segment.length);
+    }
+    return stretch_of_one(scalar, segment.length);
 }

@@ -26,16 +26,32 @@ fn preintegrated_2d_entry(place: vec2f) -> vec4f {
     return transfer_entries(place);
 }
 
+// How much light a whole segment lets through, and its depth: the nearest entry has the one, so that no segment needs an
+// exponential of its own; what is between entries is the other, for transmittances bend more from entry to entry.
+fn preintegrated_2d_transmittance(entry: vec4f) -> f32 {
+    if params.lookup == 1u {
+        return entry.w;
+    }
+    return exp(-entry.w);
+}
+
+fn preintegrated_2d_depth(entry: vec4f) -> f32 {
+    if params.lookup == 1u {
+        return transfer_depth(entry.w);
+    }
+    return entry.w;
+}
+
 // The table is made for segments of one length. The last one is shorter: its optical depth is in proportion, and its
 // colour is that of the whole segment seen through the shorter depth. So with a longer one.
 fn preintegrated_2d_between(ends: vec2f, length: f32) -> Classified {
     let entry = preintegrated_2d_entry(ends);
-    let transmittance = exp(-entry.w);
+    let transmittance = preintegrated_2d_transmittance(entry);
     let part = length / transfer.preintegration_length;
     if abs(part - 1.0) < 1.0e-4 {
         return Classified(entry.xyz, transmittance);
     }
-    let part_transmittance = exp(-entry.w * part);
+    let part_transmittance = exp(-preintegrated_2d_depth(entry) * part);
     let whole_opacity = 1.0 - transmittance;
     let ratio = select(part, (1.0 - part_transmittance) / whole_opacity, whole_opacity > 1.0e-4);
     return Classified(entry.xyz * ratio, part_transmittance);
@@ -65,7 +81,7 @@ fn classify_segment(ray: Ray, segment: Segment) -> Classified {
     // Whole segments within the table are its entries as they are. It is known at build time which do.
     if segment.is_step && !transfer_reach_is_short() {
         let entry = preintegrated_2d_entry(preintegrated_2d_ends(front, back));
-        return Classified(entry.xyz, exp(-entry.w));
+        return Classified(entry.xyz, preintegrated_2d_transmittance(entry));
     }
     // Segments that know their middle are two of the table's, of one length: the scalar runs linearly through both.
     // All others know at build time that they do not, so this costs them nothing.

@@ -8,10 +8,10 @@
 // Linear premultiplied colour of a segment towards the eye.
 fn light_segment(classified: Classified, segment: Segment, ray: Ray) -> vec3f {
     let distance = segment.start + 0.5 * segment.length;
-    let normal = surface_inner_normal(ray, distance);
+    let facing = surface_inner(ray, distance);
     let material = material_segment(classified, segment, ray);
-    let lit = phong_color(material, ray_world(ray, distance), normal, -ray.direction, false);
-    return select(lit, classified.color, all(normal == vec3f(0.0)));
+    let lit = phong_color(material, ray_world(ray, distance), facing, -ray.direction, false);
+    return select(lit, classified.color, facing.per_length == 0.0);
 }
 
 // Linear colour of an opaque surface towards the eye.

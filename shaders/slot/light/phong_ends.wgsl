@@ -23,7 +23,7 @@ var<private> phong_ends_back: PhongEnd = PhongEnd(-1.0, 0u, 0.0, vec3f(0.0), Pho
 fn phong_ends_at(ray: Ray, distance: f32, normal: vec3f, shininess: f32) -> PhongEnd {
     var end = PhongEnd(ray.near + distance, ray.bends, shininess, normal, PhongLight(vec3f(0.0), vec3f(0.0)));
     if any(normal != vec3f(0.0)) {
-        end.light = phong_light(ray_world(ray, distance), normal, -ray.direction, shininess, false);
+        end.light = phong_light(ray_world(ray, distance), Facing(normal, 1.0), -ray.direction, shininess, false);
     }
     return end;
 }

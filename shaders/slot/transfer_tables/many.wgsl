@@ -36,12 +36,12 @@ fn transfer_entry(place: f32) -> vec4f {
     return textureSampleLevel(transfer_tables, nearest_sampler, vec2f(place, transfer_place), 0.0);
 }
 
-// The pre-integrated table at a place between its entries.
+// The pre-integrated table at a place between its entries: premultiplied colour and optical depth.
 fn transfer_entries(place: vec2f) -> vec4f {
     return between_entries(preintegration_tables, place, transfer.preintegration_last, transfer_tile);
 }
 
-// The nearest entry of the pre-integrated table.
+// The nearest entry of the pre-integrated table: premultiplied colour and transmittance.
 fn transfer_nearest_entry(place: vec2f) -> vec4f {
     let inside = clamp(place, vec2f(0.0), vec2f(transfer.preintegration_last));
     return textureLoad(preintegration_tables, vec2i(inside + 0.5) + transfer_tile, 0);

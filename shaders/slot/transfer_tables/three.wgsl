@@ -25,7 +25,7 @@ fn transfer_entry(place: f32) -> vec4f {
     return textureSampleLevel(transfer_table, nearest_sampler, vec2f(place, 0.5), 0.0);
 }
 
-// The pre-integrated table at a place between its entries.
+// The pre-integrated table at a place between its entries: premultiplied colour and optical depth.
 fn transfer_entries(place: vec2f) -> vec4f {
     if transfer_chosen == 1u {
         return between_all_entries(preintegration_2_table, place, transfer.preintegration_last);
@@ -36,7 +36,7 @@ fn transfer_entries(place: vec2f) -> vec4f {
     return between_all_entries(preintegration_table, place, transfer.preintegration_last);
 }
 
-// The nearest entry of the pre-integrated table.
+// The nearest entry of the pre-integrated table: premultiplied colour and transmittance.
 fn transfer_nearest_entry(place: vec2f) -> vec4f {
     if transfer_chosen == 1u {
         return nearest_entry(preintegration_2_table, place, transfer.preintegration_last);

@@ -10,6 +10,7 @@ use volgraph_report::Finding;
 use volgraph_volume::Volume;
 use wgpu_types::TextureFormat;
 
+use crate::encoding::Encoding;
 use crate::placement;
 use crate::source::volume::VolumeSource;
 
@@ -25,6 +26,7 @@ enum Method {
 pub(super) enum Storage {
     Rgba8,
     Rgba16f,
+    Rgba32f,
 }
 
 impl Storage {
@@ -33,6 +35,7 @@ impl Storage {
         match node.slot("gradient_storage") {
             "rgba8" => Ok(Self::Rgba8),
             "rgba16f" => Ok(Self::Rgba16f),
+            "rgba32f" => Ok(Self::Rgba32f),
             other => Err(own_shader(node, "gradient_storage", other)),
         }
     }
@@ -41,6 +44,7 @@ impl Storage {
         match self {
             Self::Rgba8 => TextureFormat::Rgba8Snorm,
             Self::Rgba16f => TextureFormat::Rgba16Float,
+            Self::Rgba32f => TextureFormat::Rgba32Float,
         }
     }
 
@@ -49,16 +53,24 @@ impl Storage {
         match self {
             Self::Rgba8 => 4,
             Self::Rgba16f => 8,
+            Self::Rgba32f => 16,
         }
     }
 
-    /// `gradient_encode` of the slot's files.
-    fn encode(self, gradient: DVec3, texel: &mut [u8]) {
+    /// `gradient_encode` of the slot's files; `stored` is what the volume's own texture has for the voxel.
+    fn encode(self, gradient: DVec3, stored: impl Fn() -> f32, texel: &mut [u8]) {
         match self {
             Self::Rgba16f => {
                 let values = [gradient.x, gradient.y, gradient.z, 0.0];
                 for (bytes, value) in texel.chunks_exact_mut(2).zip(values) {
                     bytes.copy_from_slice(&f16::from_f64(value).to_le_bytes());
+                }
+            }
+            Self::Rgba32f => {
+                #[expect(clippy::cast_possible_truncation, reason = "shares of the range")]
+                let [x, y, z] = gradient.to_array().map(|value| value as f32);
+                for (bytes, value) in texel.chunks_exact_mut(4).zip([x, y, z, stored()]) {
+                    bytes.copy_from_slice(&value.to_le_bytes());
                 }
             }
             Self::Rgba8 => {
@@ -94,7 +106,7 @@ pub(super) fn record(node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         other => return Err(own_shader(node, "gradient_method", other)),
     };
     let storage = Storage::named(node)?;
-    placement::volume(node, "volume")?;
+    let encoding = placement::encoding(node)?;
     let volume = node
         .source::<VolumeSource>("volume")
         .map(|source| Arc::clone(&source.volume));
@@ -103,7 +115,7 @@ pub(super) fn record(node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         Ok(Box::new(move |layers, texels| {
             if let Some(volume) = &volume {
                 let voxels = placement::voxels_of(volume, layers);
-                gradients(volume, method, storage, voxels.start, texels);
+                gradients(volume, method, (storage, encoding), voxels.start, texels);
             }
             Ok(())
         }))
@@ -115,7 +127,13 @@ pub(super) fn record(node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
 }
 
 /// Fills in the encoded gradients of the voxels from one on.
-fn gradients(volume: &Volume, method: Method, storage: Storage, first: usize, texels: &mut [u8]) {
+fn gradients(
+    volume: &Volume,
+    method: Method,
+    (storage, encoding): (Storage, Encoding),
+    first: usize,
+    texels: &mut [u8],
+) {
     let (low, high) = volume.statistics().range().unwrap_or((0.0, 0.0));
     let span = if high > low { high - low } else { 1.0 };
     let dims = IVec3::from_array(
@@ -136,7 +154,8 @@ fn gradients(volume: &Volume, method: Method, storage: Storage, first: usize, te
         .for_each(|(at, texel)| {
             let at = first + at;
             let index = glam::USizeVec3::new(at % nx, at / nx % ny, at / (nx * ny)).as_ivec3();
-            storage.encode(estimate(method, index, &scalar) / span, texel);
+            let stored = || encoding.stored_texel(scalar(index));
+            storage.encode(estimate(method, index, &scalar) / span, stored, texel);
         });
 }
 
@@ -186,10 +205,12 @@ mod tests {
         let grid = Grid::axis_aligned([2, 3, 4], DVec3::ONE, DVec3::ZERO);
         let volume = Volume::new("t", grid, Voxels::F32(values)).unwrap();
         let mut all = vec![0xaa; 24 * 8];
-        gradients(&volume, Method::Sobel, Storage::Rgba16f, 0, &mut all);
+        let encoding = Encoding::choose(&volume, "auto");
+        let half = (Storage::Rgba16f, encoding);
+        gradients(&volume, Method::Sobel, half, 0, &mut all);
         // The last two layers alone are the same.
         let mut bytes = vec![0xaa; 12 * 8];
-        gradients(&volume, Method::Sobel, Storage::Rgba16f, 12, &mut bytes);
+        gradients(&volume, Method::Sobel, half, 12, &mut bytes);
         assert_eq!(bytes, all[12 * 8..]);
         let bytes = all;
         // In the middle of y the values rise by 2 a row, of 23 in all.

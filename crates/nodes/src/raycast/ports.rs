@@ -4,6 +4,7 @@ use volgraph_graph::{Demand, InputPort, OutputPort, PortType, Requirement};
 
 use crate::distance_map;
 use crate::lit_preintegration::{self, LitPreintegration};
+use crate::scout;
 use crate::stride_map;
 use crate::{material_table, preintegration};
 
@@ -114,6 +115,12 @@ pub(super) const INPUTS: &[InputPort] = &[
         doc: "How far each brick is from the next one of which anything may be seen.",
     },
     InputPort {
+        name: "spans",
+        ty: PortType::Spans,
+        requirement: Requirement::Demanded(scout::SPANS),
+        doc: "The parts of rays that may see anything.",
+    },
+    InputPort {
         name: "stride_map",
         ty: PortType::StrideMap,
         requirement: Requirement::Demanded(stride_map::STRIDES),
@@ -154,6 +161,17 @@ pub(super) const INPUTS: &[InputPort] = &[
             slots: &[],
         }),
         doc: "The transfer function as a table.",
+    },
+    InputPort {
+        name: "step_table",
+        ty: PortType::Table1d,
+        requirement: Requirement::Demanded(Demand {
+            kind: "step_table",
+            inputs: &[("transfer", "transfer"), ("volume", "volume")],
+            params: &[("step", "step"), ("table_size", "table_size")],
+            slots: &[],
+        }),
+        doc: "The transfer function as a table of what a step emits and lets through.",
     },
     InputPort {
         name: "refraction_table",

@@ -3,7 +3,7 @@
 use volgraph_graph::{InputPort, NodeContext, NodeKind, Requirement, Uniform};
 use volgraph_optics::{Domain, IntegralTable, TransferFunction};
 use volgraph_report::Finding;
-use volgraph_shader::UniformValue;
+use volgraph_shader::{ParamValue, UniformValue};
 
 use super::ports::INPUTS;
 use crate::encoding::Scalars;
@@ -16,6 +16,7 @@ use crate::transfer_table::transfers;
 pub(super) fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
     for (port, param) in [
         ("transfer_table", "table_size"),
+        ("step_table", "table_size"),
         ("refraction_table", "table_size"),
         ("preintegration_table", "preintegration_size"),
         ("preintegration_3d_table", "preintegration_3d_layers"),
@@ -37,6 +38,27 @@ pub(super) fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
                 "bad-param",
                 format!("its input `{port}` comes from a node without `{param}`"),
             ));
+        }
+    }
+    // What the fourth number of an entry is depends on how entries are looked up.
+    for port in ["preintegration_table", "preintegration_tables"] {
+        if let (Some(writer), Some(ParamValue::Text(lookup))) =
+            (node.writer(port), node.param("lookup"))
+        {
+            let is_whole = writer.kind_name() == Preintegration::Whole.name();
+            let made_for = if is_whole {
+                writer.text("lookup")
+            } else {
+                "bilinear"
+            };
+            if made_for == lookup {
+                continue;
+            }
+            let message = format!(
+                "its `lookup` is `{lookup}`, and its input `{port}` is made for `{made_for}`"
+            );
+            let help = format!("set `lookup` of the node that makes the table to `{lookup}`");
+            return Err(node.error("bad-table", message).help(help));
         }
     }
     // Of a texture with several tables, places between entries are those of all together.

@@ -1,6 +1,7 @@
 //! What every walk through the volume needs, that of a light as well: choices of slots, and an end.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use glam::DVec3;
 use volgraph_graph::{NodeContext, NodeKind, Uniform};
@@ -13,6 +14,7 @@ use wgpu_types::TextureFormat;
 use super::Raycast;
 use super::tables::data_value;
 use crate::preintegration::Preintegration;
+use crate::step_table::StepTable;
 use crate::{clip_volume, light_volume, placement, segmentation, transfer_table};
 
 /// Most segments of a ray: software drivers end loops after 65,535 turns, and a GPU would be busy for seconds.
@@ -39,6 +41,8 @@ pub(crate) fn walk_slots(node: &NodeContext<'_>) -> BTreeMap<String, String> {
         placement::filter_slot_at(node, "clip_volume"),
         (segmentation::TABLES_SLOT.to_owned(), tables.to_owned()),
         ("transfer_reach".to_owned(), reach(node).to_owned()),
+        // A walk in pairs knows of steps.
+        ("steps".to_owned(), "computed".to_owned()),
         light_volume::places_slot(node),
     ]);
     slots.extend(placement::texel_slots(node));
@@ -202,6 +206,56 @@ pub(super) fn check_pairs(node: &NodeContext<'_>) -> Result<(), Finding> {
         ));
     }
     Ok(())
+}
+
+/// Whether a walk that leaps over bricks goes by spans, which one ray has found for all of a tile: where no ray is bent, as
+/// none is that goes in pairs, and bricks are empty by the transfer function alone, whatever a ray has met.
+pub(super) fn goes_by_spans(
+    node: &NodeContext<'_>,
+    walk: &str,
+    slots: &BTreeMap<String, String>,
+) -> bool {
+    let is = |slot: &str, choice: &str| slots.get(slot).is_some_and(|it| it == choice);
+    walk == "pairs"
+        && is("leap", "bricks")
+        && is("look", "distance_map")
+        && node.slot("emptiness") == "transfer"
+}
+
+/// Whether scalars are read from the texture of gradients, which has both: where each is asked for at the same places.
+pub(super) fn reads_beside_gradients(node: &NodeContext<'_>, walk: &str) -> bool {
+    let is = |slot: &str, choice: &str| node.slot(slot) == choice;
+    // Of other walks not all are known, and others classify at the ends of segments.
+    walk == "pairs"
+        && is("gradient_storage", "rgba32f")
+        && is("gradient", "stored")
+        && is("technique", "dvr")
+        && is("classify", "post")
+        && is("light", "phong")
+        && is("reconstruct", "trilinear")
+}
+
+/// Where a walk has what a step emits and lets through, the choice of the slot `steps`: in a table where one transfer
+/// function and one step hold for all of it. Tables of a user's own may be of others.
+pub(super) fn steps(node: &NodeContext<'_>, walk: &str) -> &'static str {
+    let is_ours = |writer: &NodeContext<'_>| {
+        let of = |node: &NodeContext<'_>| transfer_table::transfer(node, "transfer").ok();
+        let same = of(writer).zip(of(node));
+        writer.uint("table_size") == node.uint("table_size")
+            && same.is_some_and(|(theirs, ours)| Arc::ptr_eq(&theirs, &ours))
+    };
+    let entries = node.writer("transfer_table");
+    let steps = node.writer("step_table");
+    let is_of_step = |writer: &NodeContext<'_>| {
+        writer.kind_name() == StepTable.name() && step_of(writer) == step_of(node)
+    };
+    let is_of_ours = entries.is_none_or(|entries| is_ours(&entries))
+        && steps.is_none_or(|steps| is_of_step(&steps) && is_ours(&steps));
+    if walk == "pairs" && is_of_ours {
+        "table"
+    } else {
+        "computed"
+    }
 }
 
 /// Whether the table of segments, if there is one, is made for the walk's step: that of a user's own may not be.

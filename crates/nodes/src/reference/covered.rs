@@ -43,7 +43,7 @@ const COVERED: &[(&str, &[&str])] = &[
     ("gradient", &["stored", "central", "analytic", "tricubic"]),
     ("gradient_method", &["central", "sobel"]),
     // The truth is that of gradients as they are: what storage loses is an error.
-    ("gradient_storage", &["rgba16f", "rgba8"]),
+    ("gradient_storage", &["rgba16f", "rgba8", "rgba32f"]),
     // Quadratures of one integral.
     (
         "classify",
@@ -60,6 +60,7 @@ const COVERED: &[(&str, &[&str])] = &[
     // Which segments are looked into changes no picture.
     ("heed", &["all", "isovalue"]),
     ("walk", &["segments", "pairs"]),
+    ("steps", &["table", "computed"]),
     // Leaps are over what is not seen.
     ("traverse", &["uniform", "skip", "adaptive"]),
     (

@@ -244,6 +244,7 @@ fn one_mistake_in_a_real_shader_is_one_finding() {
         ("traverse", "uniform"),
         ("leap", "none"),
         ("walk", "pairs"),
+        ("steps", "table"),
         ("light_places", "anywhere"),
         ("technique", "dvr"),
         ("classify", "preintegrated_2d"),

@@ -1,0 +1,26 @@
+// Spans: the parts of rays that may see anything, for all rays of a tile of pixels together. A tile has a square of texels,
+// each texel two spans: world distances from the origins of rays where a span starts and where it ends.
+#import "lib/frame.wgsl"
+
+// Texels along a tile's side; of about two pixels each.
+const SPANS_SIDE: u32 = 2u;
+const SPANS_TEXELS: u32 = 4u;
+// Where there is no span.
+const SPANS_NONE: vec2f = vec2f(-1.0);
+
+// Tiles of the picture: none where it is too small for any. As the node's output has it, there is a texel for every two
+// pixels, rounded.
+fn spans_tiles() -> vec2f {
+    return floor(max(floor(lens.extent * 0.5 + 0.5), vec2f(1.0)) / f32(SPANS_SIDE));
+}
+
+// Pixels along the sides of a tile.
+fn spans_pixels() -> vec2f {
+    return lens.extent / max(spans_tiles(), vec2f(1.0));
+}
+
+// A texel of a tile.
+fn spans_texel(tile: vec2f, number: u32) -> vec2f {
+    let row = number / SPANS_SIDE;
+    return tile * f32(SPANS_SIDE) + vec2f(vec2u(number - row * SPANS_SIDE, row));
+}

@@ -1,0 +1,106 @@
+// Which parts of rays may see anything (beams: Laine and Karras 2010): one ray through the middle of a tile of pixels looks
+// at bricks ahead for all rays of the tile. Bricks around it are empty for all of them where they hold whatever is as far
+// away as the tile's corners.
+#import "lib/bricks.wgsl"
+#import "lib/ray.wgsl"
+#import "lib/spans.wgsl"
+#import "lib/step.wgsl"
+#import "lib/volume.wgsl"
+#import slot "look"
+
+@group(3) @binding(26) var spans_out: texture_storage_2d<rgba32float, write>;
+
+// Whatever bricks say, a scout comes to its end.
+const SCOUT_TURNS: u32 = 16384u;
+// Bricks that places are rounded by, and much more.
+const SCOUT_ROUNDING: f32 = 0.02;
+// Steps that are walked sooner than leapt over.
+const SCOUT_GAP: f32 = 6.0;
+
+struct Scouted {
+    tile: vec2f,
+    // How many spans there are, and the last one of them while it waits for another to share a texel with.
+    count: u32,
+    held: vec2f,
+}
+
+fn scout_add(before: Scouted, span: vec2f) -> Scouted {
+    var scouted = before;
+    if scouted.count % 2u == 1u {
+        textureStore(spans_out, vec2u(spans_texel(scouted.tile, scouted.count / 2u)), vec4f(scouted.held, span));
+    }
+    scouted.held = span;
+    scouted.count += 1u;
+    return scouted;
+}
+
+@compute @workgroup_size(8, 8, 1)
+fn scout_compute(@builtin(global_invocation_id) id: vec3u) {
+    let tile = vec2f(id.xy);
+    if any(tile >= spans_tiles()) {
+        return;
+    }
+    let ray = ray_through((tile + 0.5) * spans_pixels());
+    // How far apart rays of a tile are at most, at distance 1 where they part; the box's far end is as far as they do.
+    let apart = length(spans_pixels()) / lens.size.y * lens.half_extent.y;
+    let farthest = distance(ray.origin, volume.centre) + volume.radius;
+    let beside_world = apart * select(ray.skipped + farthest, 1.0, lens.is_orthographic != 0u);
+    let rows = transpose(volume.texture_from_world);
+    let per_world = vec3f(length(rows[0].xyz), length(rows[1].xyz), length(rows[2].xyz)) * bricks.per_texture;
+    let beside = beside_world * per_world * 1.001 + SCOUT_ROUNDING;
+
+    // In bricks, of a box that is as much larger.
+    let origin = (volume.texture_from_world * vec4f(ray.origin, 1.0)).xyz * bricks.per_texture;
+    let given = (volume.texture_from_world * vec4f(ray.direction, 0.0)).xyz * bricks.per_texture;
+    let slope = select(given, vec3f(1.0e-20), abs(given) < vec3f(1.0e-20));
+    let a = (volume.box_low * bricks.per_texture - beside - origin) / slope;
+    let b = (volume.box_high * bricks.per_texture + beside - origin) / slope;
+    let first = min(a, b);
+    let last = max(a, b);
+    let near = max(max(max(first.x, first.y), first.z), 0.0);
+    let far = min(min(last.x, last.y), last.z);
+    let least = 0.5 * SCOUT_ROUNDING / max(max(abs(slope.x), abs(slope.y)), abs(slope.z));
+    let gap = SCOUT_GAP * step_world();
+
+    var scouted = Scouted(tile, 0u, SPANS_NONE);
+    var span = SPANS_NONE;
+    var distance = near;
+    for (var turn = 0u; turn < SCOUT_TURNS && distance < far; turn++) {
+        let place = origin + distance * slope;
+        let brick = bricks_at(place);
+        let look = look_at(brick);
+        let low = vec3f(look.low) + beside;
+        let high = vec3f(look.high) - beside;
+        let is_empty = !look.is_seen && all(place >= low) && all(place <= high);
+        // What is seen all around is; beside what is not, a brick is looked at by itself.
+        let box_low = select(select(vec3f(brick), vec3f(look.low), look.is_seen), low, is_empty);
+        let box_high = select(select(vec3f(brick + 1), vec3f(look.high), look.is_seen), high, is_empty);
+        let exits = max((box_low - place) / slope, (box_high - place) / slope);
+        let start = distance;
+        distance += max(min(min(exits.x, exits.y), exits.z), least);
+        if is_empty {
+            continue;
+        }
+        if span.y >= 0.0 && start - span.y < gap {
+            span.y = distance;
+            continue;
+        }
+        if span.y >= 0.0 {
+            scouted = scout_add(scouted, span);
+        }
+        span = vec2f(start, distance);
+        if scouted.count + 1u >= 2u * SPANS_TEXELS {
+            // The last one goes on to the end.
+            span.y = far;
+            break;
+        }
+    }
+    if span.y >= 0.0 {
+        // Whatever stopped the scout, what it has not seen may be seen.
+        span.y = select(span.y, far, distance < far);
+        scouted = scout_add(scouted, span);
+    }
+    for (var turn = 0u; turn < 2u * SPANS_TEXELS && scouted.count < 2u * SPANS_TEXELS; turn++) {
+        scouted = scout_add(scouted, SPANS_NONE);
+    }
+}
