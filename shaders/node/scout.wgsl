@@ -4,6 +4,7 @@
 #import "lib/bricks.wgsl"
 #import "lib/ray.wgsl"
 #import "lib/spans.wgsl"
+#import "lib/spans_beside.wgsl"
 #import "lib/step.wgsl"
 #import "lib/volume.wgsl"
 #import slot "look"
@@ -41,13 +42,7 @@ fn scout_compute(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let ray = ray_through((tile + 0.5) * spans_pixels());
-    // How far apart rays of a tile are at most, at distance 1 where they part; the box's far end is as far as they do.
-    let apart = length(spans_pixels()) / lens.size.y * lens.half_extent.y;
-    let farthest = distance(ray.origin, volume.centre) + volume.radius;
-    let beside_world = apart * select(ray.skipped + farthest, 1.0, lens.is_orthographic != 0u);
-    let rows = transpose(volume.texture_from_world);
-    let per_world = vec3f(length(rows[0].xyz), length(rows[1].xyz), length(rows[2].xyz)) * bricks.per_texture;
-    let beside = beside_world * per_world * 1.001 + SCOUT_ROUNDING;
+    let beside = spans_beside(ray) + SCOUT_ROUNDING;
 
     // In bricks, of a box that is as much larger.
     let origin = (volume.texture_from_world * vec4f(ray.origin, 1.0)).xyz * bricks.per_texture;

@@ -47,6 +47,7 @@ mod shear_warp;
 mod skipping;
 mod snapshots;
 mod software_scalars;
+mod spans;
 mod stress;
 mod sweep;
 mod tables;

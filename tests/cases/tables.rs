@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use volgraph_measure::compare_without_flip;
 use volgraph_optics::TransferFunction;
 use volgraph_tests::slabs::{middles, slabs};
 use volgraph_tests::{STAGES, Stage, adapters, graph, render};
@@ -420,4 +421,72 @@ fn tables_that_do_not_fit_are_refused_with_a_size_that_does() {
         text.contains("set `preintegration_3d_size` to 1024 or less"),
         "{text}"
     );
+}
+
+/// Of segments that let no light through, parts may: the nearest entry of a table has transmittances, and still tells how
+/// deep they are.
+#[test]
+fn the_nearest_entry_knows_great_depths() {
+    for extinction in ["0.3", "30", "90", "5000", "1000000"] {
+        let stage = Stage::new()
+            .with_floats("v", [8; 3], |_, _, _| 0.5)
+            .with(
+                "t.ron",
+                format!("(domain: data, color: [(0, (1, 0.5, 0.25)), (1, (1, 0.5, 0.25))], extinction: [(0, {extinction}), (1, {extinction})])"),
+            )
+            .with(
+                "graph.ron",
+                r#"(sources: { "v": volume(path: "v_8x8x8_float32.raw"), "t": transfer(path: "t.ron") },
+                    camera: orbit(azimuth: 33, elevation: 21),
+                    nodes: {
+                        "box":   (kind: "proxy_box", in: { "volume": "v" }),
+                        "image": (kind: "raycast", in: { "volume": "v", "transfer": "t", "rays": "box" },
+                                  slots: { "classify": "preintegrated_2d" }, params: { "early_termination": 0 }),
+                    },
+                    outputs: { "color": "image.color" })"#,
+            );
+        for backend in adapters() {
+            for set in [
+                "image.step=1",
+                "image.slots.walk=segments",
+                "image.preintegration_built_on=gpu",
+            ] {
+                let of = |lookup: &str| {
+                    let lookup = format!("image.lookup={lookup}");
+                    render(&stage, &[&lookup, set], &backend, [96, 80]).0
+                };
+                let [between, nearest] = ["bilinear", "nearest"].map(of);
+                let error = compare_without_flip(&between, &nearest).unwrap().max.error;
+                assert!(error <= 1e-5, "{extinction} on {backend}, {set}: {error:e}");
+            }
+        }
+    }
+}
+
+/// What the fourth number of an entry is goes with the lookup, so a table of the user's own has to fit.
+#[test]
+fn a_table_for_the_other_lookup_is_refused() {
+    let stage = Stage::new()
+        .with_floats("v", [4; 3], |x, _, _| x as f32)
+        .with("t.ron", SMOOTH)
+        .with(
+            "graph.ron",
+            r#"(sources: { "v": volume(path: "v_4x4x4_float32.raw"), "t": transfer(path: "t.ron") },
+                nodes: {
+                    "box":   (kind: "proxy_box", in: { "volume": "v" }),
+                    "table": (kind: "preintegration", in: { "transfer": "t", "volume": "v" }),
+                    "image": (kind: "raycast", in: { "volume": "v", "transfer": "t", "rays": "box", "preintegration_table": "table" },
+                              slots: { "classify": "preintegrated_2d" }, params: { "lookup": "nearest" }),
+                },
+                outputs: { "color": "image.color" })"#,
+        );
+    let backend = &adapters()[0];
+    let refused = stage.open("graph.ron", &[], backend, [8, 8]);
+    let findings = refused.and_then(|mut session| session.render().map(|_| ()));
+    let findings = findings.unwrap_err().to_string();
+    assert!(findings.contains("is made for `bilinear`"), "{findings}");
+    let fitting = stage.open("graph.ron", &["table.lookup=nearest"], backend, [8, 8]);
+    fitting
+        .and_then(|mut session| session.render().map(|_| ()))
+        .unwrap();
 }

@@ -78,3 +78,28 @@ fn as_many_lights_as_nobody_has_are_refused_at_once() {
     let findings = drawn.unwrap_err().to_string();
     assert!(findings.contains("lights"), "{findings}");
 }
+
+/// Of gradients in single floats the fourth number is the scalar: walks in pairs read both at once.
+#[test]
+fn scalars_beside_gradients_are_those_of_the_volume() {
+    for (name, sets) in [
+        (
+            "comparison",
+            ["image.slots.classify=post", "image.step=0.7"],
+        ),
+        (
+            "hydrogen",
+            ["image.slots.classify=post", "image.slots.traverse=skip"],
+        ),
+    ] {
+        for backend in adapters() {
+            let lit = [
+                "image.slots.light=phong",
+                "image.slots.gradient_storage=rgba32f",
+                "image.early_termination=0",
+            ];
+            let error = largest(name, &backend, &[&lit[..], &sets].concat());
+            assert!(error <= 1e-5, "{name} on {backend}: {error:e}");
+        }
+    }
+}

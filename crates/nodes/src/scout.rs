@@ -47,15 +47,7 @@ const INPUTS: &[InputPort] = &[
     InputPort {
         name: "distance_map",
         ty: PortType::DistanceMap,
-        requirement: Requirement::Demanded(Demand {
-            kind: "distance_map",
-            inputs: &[("volume", "volume"), ("transfer", "transfer")],
-            params: &[
-                ("volume_storage", "volume_storage"),
-                ("brick_size", "brick_size"),
-            ],
-            slots: &[("reconstruct", "reconstruct"), ("emptiness", "emptiness")],
-        }),
+        requirement: Requirement::DemandedAlike("distance_map"),
         doc: "How far each brick is from the next one of which anything may be seen.",
     },
 ];

@@ -5,6 +5,7 @@ mod fuzz;
 mod guard;
 mod guard_loads;
 mod guard_places;
+mod hoist;
 mod link;
 mod names;
 mod params;

@@ -49,9 +49,9 @@ const BREAKS: [Break; 14] = [
     },
     Break {
         what: "forgets the length in the opacity",
-        file: "slot/classify/post.wgsl",
-        find: "segment.length * transfer.halvings_per_world",
-        with: "volume.voxel * transfer.halvings_per_world",
+        file: "lib/stretch_of_one.wgsl",
+        find: "(length * transfer.halvings_per_world)",
+        with: "(volume.voxel * transfer.halvings_per_world)",
         case: "dvr_fog",
         expectation: "pixel(at: centre",
     },

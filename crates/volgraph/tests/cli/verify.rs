@@ -157,7 +157,13 @@ fn shaders_that_lose_their_order_fail() {
     let lengthless = planted(
         &scratch,
         post,
-        &[("segment.length * transfer", "0.1 * transfer")],
+        &[
+            ("if segment.is_step {", "if false {"),
+            (
+                "stretch_of_one(scalar, segment.length)",
+                "stretch_of_one(scalar, 0.1)",
+            ),
+        ],
         "lengthless.wgsl",
     );
     let technique = format!("technique={dropped}");

@@ -75,8 +75,8 @@ pub const PLANTED: [Planted; 30] = [
     Planted {
         what: "unknown name",
         file: "shaders/slot/light/phong.wgsl",
-        find: "normal, -ray.direction, false)",
-        with: "normal, -rya.direction, false)",
+        find: "facing, -ray.direction, false)",
+        with: "facing, -rya.direction, false)",
         code: "wgsl-type",
         needle: "rya.direction",
         help: Some("did you mean `ray`?"),
@@ -93,7 +93,7 @@ pub const PLANTED: [Planted; 30] = [
     },
     Planted {
         what: "binding clash",
-        file: "shaders/slot/gradient/stored.wgsl",
+        file: "shaders/lib/gradient_texture.wgsl",
         find: "@group(1) @binding(4) var gradient_volume",
         with: "@group(1) @binding(1) var gradient_volume",
         code: "binding-clash",
