@@ -26,11 +26,12 @@ fn surface_inner_normal(ray: Ray, distance: f32) -> vec3f {
 
 // The same without the division that makes it a unit long.
 fn surface_inner(ray: Ray, distance: f32) -> Facing {
-    let gradient = gradient_at(ray_position(ray, distance));
+    // Shares of the range per voxel: squares of data units may be beyond single floats.
+    let share = volume.voxel / max(volume.value_range, 1.0e-37);
+    let gradient = gradient_at(ray_position(ray, distance)) * share;
     let square = dot(gradient, gradient);
     // A change of one part in 10^4 of the range per voxel is noise of the storage, not a surface.
-    let least = 1.0e-4 * volume.value_range / volume.voxel;
-    let is_flat = square < least * least;
+    let is_flat = square < 1.0e-8;
     let per_length = inverseSqrt(select(square, 1.0, is_flat));
     let signed = select(per_length, -per_length, dot(gradient, ray.direction) > 0.0);
     let facing = Facing(gradient, select(signed, 0.0, is_flat));

@@ -15,6 +15,8 @@
 const SCOUT_TURNS: u32 = 16384u;
 // Bricks that places are rounded by, and much more.
 const SCOUT_ROUNDING: f32 = 0.02;
+// Bricks that no ray is away from the volume.
+const SCOUT_OUTSIDE: f32 = 1.0e9;
 // Steps that are walked sooner than leapt over.
 const SCOUT_GAP: f32 = 6.0;
 
@@ -42,19 +44,20 @@ fn scout_compute(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let ray = ray_through((tile + 0.5) * spans_pixels());
-    let beside = spans_beside(ray) + SCOUT_ROUNDING;
-
-    // In bricks, of a box that is as much larger.
+    // In bricks, of a box that is larger by as much as rays are apart; distances are rounded by more where they are long.
     let origin = (volume.texture_from_world * vec4f(ray.origin, 1.0)).xyz * bricks.per_texture;
     let given = (volume.texture_from_world * vec4f(ray.direction, 0.0)).xyz * bricks.per_texture;
     let slope = select(given, vec3f(1.0e-20), abs(given) < vec3f(1.0e-20));
+    let farthest = distance(ray.origin, volume.centre) + volume.radius;
+    let rounding = SCOUT_ROUNDING + 1.0e-6 * (abs(origin) + farthest * abs(slope));
+    let beside = spans_beside(ray) + rounding;
     let a = (volume.box_low * bricks.per_texture - beside - origin) / slope;
     let b = (volume.box_high * bricks.per_texture + beside - origin) / slope;
     let first = min(a, b);
     let last = max(a, b);
     let near = max(max(max(first.x, first.y), first.z), 0.0);
     let far = min(min(last.x, last.y), last.z);
-    let least = 0.5 * SCOUT_ROUNDING / max(max(abs(slope.x), abs(slope.y)), abs(slope.z));
+    let least = 0.5 * min(min(rounding.x, rounding.y), rounding.z) / max(max(abs(slope.x), abs(slope.y)), abs(slope.z));
     let gap = SCOUT_GAP * step_world();
 
     var scouted = Scouted(tile, 0u, SPANS_NONE);
@@ -64,12 +67,19 @@ fn scout_compute(@builtin(global_invocation_id) id: vec3u) {
         let place = origin + distance * slope;
         let brick = bricks_at(place);
         let look = look_at(brick);
-        let low = vec3f(look.low) + beside;
-        let high = vec3f(look.high) - beside;
+        // The outer bricks go on outside of the volume.
+        let is_first = look.low <= vec3i(0);
+        let is_last = look.high >= bricks.dims;
+        let low = select(vec3f(look.low) + beside, vec3f(-SCOUT_OUTSIDE), is_first);
+        let high = select(vec3f(look.high) - beside, vec3f(SCOUT_OUTSIDE), is_last);
         let is_empty = !look.is_seen && all(place >= low) && all(place <= high);
         // What is seen all around is; beside what is not, a brick is looked at by itself.
-        let box_low = select(select(vec3f(brick), vec3f(look.low), look.is_seen), low, is_empty);
-        let box_high = select(select(vec3f(brick + 1), vec3f(look.high), look.is_seen), high, is_empty);
+        let own_low = select(vec3f(brick), vec3f(-SCOUT_OUTSIDE), brick <= vec3i(0));
+        let own_high = select(vec3f(brick + 1), vec3f(SCOUT_OUTSIDE), brick + 1 >= bricks.dims);
+        let seen_low = select(vec3f(look.low), vec3f(-SCOUT_OUTSIDE), is_first);
+        let seen_high = select(vec3f(look.high), vec3f(SCOUT_OUTSIDE), is_last);
+        let box_low = select(select(own_low, seen_low, look.is_seen), low, is_empty);
+        let box_high = select(select(own_high, seen_high, look.is_seen), high, is_empty);
         let exits = max((box_low - place) / slope, (box_high - place) / slope);
         let start = distance;
         distance += max(min(min(exits.x, exits.y), exits.z), least);
@@ -90,9 +100,11 @@ fn scout_compute(@builtin(global_invocation_id) id: vec3u) {
             break;
         }
     }
+    // Whatever stopped the scout, what it has not seen may be seen.
+    if distance < far {
+        span = vec2f(select(distance, span.x, span.y >= 0.0), far);
+    }
     if span.y >= 0.0 {
-        // Whatever stopped the scout, what it has not seen may be seen.
-        span.y = select(span.y, far, distance < far);
         scouted = scout_add(scouted, span);
     }
     for (var turn = 0u; turn < 2u * SPANS_TEXELS && scouted.count < 2u * SPANS_TEXELS; turn++) {

@@ -466,27 +466,33 @@ fn the_nearest_entry_knows_great_depths() {
 /// What the fourth number of an entry is goes with the lookup, so a table of the user's own has to fit.
 #[test]
 fn a_table_for_the_other_lookup_is_refused() {
-    let stage = Stage::new()
-        .with_floats("v", [4; 3], |x, _, _| x as f32)
-        .with("t.ron", SMOOTH)
-        .with(
-            "graph.ron",
-            r#"(sources: { "v": volume(path: "v_4x4x4_float32.raw"), "t": transfer(path: "t.ron") },
-                nodes: {
-                    "box":   (kind: "proxy_box", in: { "volume": "v" }),
-                    "table": (kind: "preintegration", in: { "transfer": "t", "volume": "v" }),
-                    "image": (kind: "raycast", in: { "volume": "v", "transfer": "t", "rays": "box", "preintegration_table": "table" },
-                              slots: { "classify": "preintegrated_2d" }, params: { "lookup": "nearest" }),
-                },
-                outputs: { "color": "image.color" })"#,
-        );
     let backend = &adapters()[0];
-    let refused = stage.open("graph.ron", &[], backend, [8, 8]);
-    let findings = refused.and_then(|mut session| session.render().map(|_| ()));
-    let findings = findings.unwrap_err().to_string();
-    assert!(findings.contains("is made for `bilinear`"), "{findings}");
-    let fitting = stage.open("graph.ron", &["table.lookup=nearest"], backend, [8, 8]);
-    fitting
-        .and_then(|mut session| session.render().map(|_| ()))
-        .unwrap();
+    for (kind, rays) in [("raycast", r#""rays": "box","#), ("slices", "")] {
+        let stage = Stage::new()
+            .with_floats("v", [4; 3], |x, _, _| x as f32)
+            .with("t.ron", SMOOTH)
+            .with(
+                "graph.ron",
+                format!(
+                    r#"(sources: {{ "v": volume(path: "v_4x4x4_float32.raw"), "t": transfer(path: "t.ron") }},
+                        nodes: {{
+                            "box":   (kind: "proxy_box", in: {{ "volume": "v" }}),
+                            "table": (kind: "preintegration", in: {{ "transfer": "t", "volume": "v" }}),
+                            "image": (kind: "{kind}", in: {{ {rays} "volume": "v", "transfer": "t", "preintegration_table": "table" }},
+                                      slots: {{ "classify": "preintegrated_2d" }}, params: {{ "lookup": "nearest" }}),
+                        }},
+                        outputs: {{ "color": "image.color" }})"#
+                ),
+            );
+        let drawn = |sets: &[&str]| {
+            let session = stage.open("graph.ron", sets, backend, [8, 8]);
+            session.and_then(|mut session| session.render().map(|_| ()))
+        };
+        let findings = drawn(&[]).unwrap_err().to_string();
+        assert!(
+            findings.contains("is made for `bilinear`"),
+            "{kind}: {findings}"
+        );
+        drawn(&["table.lookup=nearest"]).unwrap();
+    }
 }

@@ -3,7 +3,7 @@
 use volgraph::Picture;
 use volgraph_measure::compare_without_flip;
 use volgraph_tests::repository::{VOLUMES, graph_file};
-use volgraph_tests::{adapters, load, start};
+use volgraph_tests::{Stage, adapters, load, start};
 
 const SIZE: [u32; 2] = [48, 40];
 
@@ -82,24 +82,63 @@ fn as_many_lights_as_nobody_has_are_refused_at_once() {
 /// Of gradients in single floats the fourth number is the scalar: walks in pairs read both at once.
 #[test]
 fn scalars_beside_gradients_are_those_of_the_volume() {
-    for (name, sets) in [
-        (
-            "comparison",
-            ["image.slots.classify=post", "image.step=0.7"],
-        ),
-        (
-            "hydrogen",
-            ["image.slots.classify=post", "image.slots.traverse=skip"],
-        ),
+    let lit = [
+        "image.slots.light=phong",
+        "image.slots.classify=post",
+        "image.slots.gradient_storage=rgba32f",
+        "image.early_termination=0",
+    ];
+    let mut drawn = 0;
+    for (name, set) in [
+        ("comparison", "image.step=0.7"),
+        ("hydrogen", "image.slots.traverse=skip"),
     ] {
+        let sets = [&lit[..], &[set]].concat();
         for backend in adapters() {
-            let lit = [
-                "image.slots.light=phong",
-                "image.slots.gradient_storage=rgba32f",
-                "image.early_termination=0",
-            ];
-            let error = largest(name, &backend, &[&lit[..], &sets].concat());
+            // A device that cannot filter single floats says so.
+            let scene = load(&graph_file(name), &sets).unwrap();
+            if let Err(findings) = start(scene, &backend, SIZE) {
+                let findings = findings.to_string();
+                assert!(findings.contains("cannot filter"), "{findings}");
+                continue;
+            }
+            let error = largest(name, &backend, &sets);
             assert!(error <= 1e-5, "{name} on {backend}: {error:e}");
+            drawn += 1;
         }
     }
+    assert!(drawn >= 2, "no adapter filters single floats");
+}
+
+/// Of gradients that somebody else stores, the fourth number is none.
+#[test]
+fn scalars_are_read_beside_gradients_only_where_they_are() {
+    let text = std::fs::read_to_string(graph_file("comparison")).unwrap();
+    let own = text
+        .replace(
+            r#""box": "#,
+            r#""own": (kind: "gradient", in: { "volume": "volume" }), "box": "#,
+        )
+        .replace(
+            r#""rays": "box","#,
+            r#""rays": "box", "gradient_volume": "own","#,
+        );
+    assert!(own.contains(r#""gradient_volume""#), "{own}");
+    let stage = Stage::new().with("graph.ron", own).with(
+        "transfer/comparison.ron",
+        std::fs::read_to_string(graph_file("transfer/comparison")).unwrap(),
+    );
+    let sets = [
+        "image.slots.light=phong",
+        "image.slots.gradient_storage=rgba16f",
+    ];
+    let other = [
+        "image.slots.light=phong",
+        "image.slots.gradient_storage=rgba32f",
+    ];
+    let backend = &adapters()[0];
+    let [ours, theirs] =
+        [sets, other].map(|sets| volgraph_tests::render(&stage, &sets, backend, SIZE).0);
+    let error = compare_without_flip(&ours, &theirs).unwrap().max.error;
+    assert!(error <= 1e-6, "{error:e}");
 }

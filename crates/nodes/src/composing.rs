@@ -7,7 +7,7 @@ use volgraph_graph::{InputPort, NodeContext, NodeKind, SlotSpec, Uniform};
 use volgraph_report::Finding;
 use volgraph_shader::ParamSpec;
 
-use crate::raycast::{Raycast, check_walk, walk_slots};
+use crate::raycast::{Raycast, check_lookup, check_walk, walk_slots};
 
 const PORTS: [&str; 11] = [
     "volume",
@@ -67,6 +67,7 @@ pub(crate) fn fixed_slots(node: &NodeContext<'_>) -> std::collections::BTreeMap<
 /// Whether the picture behind fits and every walk comes to its end.
 pub(crate) fn check(node: &NodeContext<'_>) -> Result<(), Finding> {
     check_walk(node)?;
+    check_lookup(node)?;
     if node.is_connected("behind") && node.input_resource("behind") != node.output_resource("color")
     {
         return Err(node

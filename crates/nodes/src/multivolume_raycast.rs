@@ -16,7 +16,7 @@ use wgpu_types::TextureFormat;
 
 use crate::proxy_box::{self, VOLUMES, enclosing};
 use crate::raycast::{
-    MAX_SEGMENTS, TablePorts, longest_ray, tile_members, tile_of, transfer_uniform,
+    MAX_SEGMENTS, TablePorts, check_lookup, longest_ray, tile_members, tile_of, transfer_uniform,
 };
 use crate::transfer_table::transfer;
 use crate::{brick_proxy, light_volume, placement, preintegration, transfer_table, volume_texture};
@@ -433,6 +433,7 @@ fn check(node: &NodeContext<'_>) -> Result<(), Finding> {
             ));
         }
     }
+    check_lookup(node)?;
     brick_proxy::check_whole(node)?;
     check_rays(node)?;
     let reconstruct = node.slot("reconstruct");

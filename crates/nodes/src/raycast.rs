@@ -20,7 +20,7 @@ use wgpu_types::TextureFormat;
 use self::ports::{INPUTS, LAYERS, OUTPUTS, TRACE_SIZE};
 use self::slots::SLOTS;
 pub use self::tables::data_value;
-pub(crate) use self::tables::{TablePorts, table_range, transfer_uniform};
+pub(crate) use self::tables::{TablePorts, check_lookup, table_range, transfer_uniform};
 use self::tables::{check_table_sizes, check_tables_of_labels};
 pub use self::walk::shortest_step;
 pub(crate) use self::walk::{MAX_SEGMENTS, check_walk, longest_ray, walk_slots};

@@ -28,8 +28,9 @@ fn leap_from(ray: Ray, index: u32) -> Leap {
     let span = select(pair.zw, pair.xy, pair.y > start);
     let whole = u32((ray.far - ray.near) / step_world());
     // A little more on either side: distances are rounded.
-    let begin = clamp((span.x - ray.near) / step_world() - 0.01, 0.0, f32(whole));
-    let last = u32(clamp((span.y - ray.near) / step_world() + 1.01, 0.0, f32(whole)));
+    let rounding = 0.01 + 1.0e-6 * span.y / step_world();
+    let begin = clamp((span.x - ray.near) / step_world() - rounding, 0.0, f32(whole));
+    let last = u32(clamp((span.y - ray.near) / step_world() + 1.0 + rounding, 0.0, f32(whole)));
     // Behind the last span nothing of the ray is left to see.
     let is_over = span.y <= start;
     var at = max(index, select(u32(begin), whole + 2u, is_over));
@@ -37,12 +38,14 @@ fn leap_from(ray: Ray, index: u32) -> Leap {
     let beside = spans_beside(ray);
     let is_coarse = max(max(beside.x, beside.y), beside.z) > SPANS_COARSE;
     is_searching = is_coarse && at < last && !is_over;
+    var is_seen = !is_searching;
     for (var turn = 0u; turn < BRICK_LEAP_TURNS && is_searching; turn++) {
         let place = brick_leap_place(ray, at);
         let look = look_at(bricks_at(place));
         end = min(brick_leap_through(ray, at, place, look.low, look.high), last);
-        is_searching = !look.is_seen && end != at && end < last;
+        is_seen = look.is_seen || end == at;
+        is_searching = !is_seen && end < last;
         at = select(end, at, look.is_seen);
     }
-    return brick_leap_to(index, at, end, select(2u, look_least(), is_coarse));
+    return brick_leap_to(index, at, end, select(2u, look_least(), is_coarse && is_seen));
 }

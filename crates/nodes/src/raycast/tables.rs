@@ -10,6 +10,7 @@ use crate::encoding::Scalars;
 use crate::placement::{self, f32_value};
 use crate::preintegration::Preintegration;
 use crate::segmentation;
+use crate::source::segments::SegmentsSource;
 use crate::transfer_table::transfers;
 
 /// The table nodes may be the user's own, with sizes of their own.
@@ -40,27 +41,7 @@ pub(super) fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
             ));
         }
     }
-    // What the fourth number of an entry is depends on how entries are looked up.
-    for port in ["preintegration_table", "preintegration_tables"] {
-        if let (Some(writer), Some(ParamValue::Text(lookup))) =
-            (node.writer(port), node.param("lookup"))
-        {
-            let is_whole = writer.kind_name() == Preintegration::Whole.name();
-            let made_for = if is_whole {
-                writer.text("lookup")
-            } else {
-                "bilinear"
-            };
-            if made_for == lookup {
-                continue;
-            }
-            let message = format!(
-                "its `lookup` is `{lookup}`, and its input `{port}` is made for `{made_for}`"
-            );
-            let help = format!("set `lookup` of the node that makes the table to `{lookup}`");
-            return Err(node.error("bad-table", message).help(help));
-        }
-    }
+    check_lookup(node)?;
     // Of a texture with several tables, places between entries are those of all together.
     for port in ["preintegration_table", "preintegration_half_table"] {
         if let Some(writer) = node.writer(port)
@@ -73,6 +54,53 @@ pub(super) fn check_table_sizes(node: &NodeContext<'_>) -> Result<(), Finding> {
                 )
                 .help("give the node that makes it no `segments`"));
         }
+    }
+    Ok(())
+}
+
+/// What the fourth number of an entry of a pre-integrated table is depends on how entries are looked up: each table that a node
+/// reads has to be made for the node's `lookup`, which labels share.
+pub(crate) fn check_lookup(node: &NodeContext<'_>) -> Result<(), Finding> {
+    let Some(ParamValue::Text(lookup)) = node.param("lookup") else {
+        return Ok(());
+    };
+    for port in [
+        "preintegration_table",
+        "preintegration_tables",
+        "preintegration_2_table",
+        "preintegration_3_table",
+        "preintegration_4_table",
+    ] {
+        let Some(writer) = node.writer(port) else {
+            continue;
+        };
+        let is_whole = writer.kind_name() == Preintegration::Whole.name();
+        let made_for = if is_whole {
+            writer.text("lookup")
+        } else {
+            "bilinear"
+        };
+        if made_for != lookup {
+            let message = format!(
+                "its `lookup` is `{lookup}`, and its input `{port}` is made for `{made_for}`"
+            );
+            let help = format!("set `lookup` of the node that makes the table to `{lookup}`");
+            return Err(node.error("bad-table", message).help(help));
+        }
+    }
+    let is_other = |value: &ParamValue| match value {
+        ParamValue::Text(theirs) => theirs != lookup,
+        ParamValue::Int(index) => (*index == 1) != (lookup == "nearest"),
+        _ => false,
+    };
+    let rows = segmentation::segments(node).map(SegmentsSource::param_rows);
+    let mut given = rows.into_iter().flatten();
+    if given.any(|row| row.get("lookup").is_some_and(|it| is_other(&it.value))) {
+        let message =
+            format!("its `lookup` is `{lookup}`, and labels have another: tables are made for one");
+        return Err(node
+            .error("labels-unsupported", message)
+            .help("set `lookup` of the node, and leave it out of the labels' parameters"));
     }
     Ok(())
 }

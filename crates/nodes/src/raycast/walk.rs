@@ -13,6 +13,7 @@ use wgpu_types::TextureFormat;
 
 use super::Raycast;
 use super::tables::data_value;
+use crate::gradient::Gradient;
 use crate::preintegration::Preintegration;
 use crate::step_table::StepTable;
 use crate::{clip_volume, light_volume, placement, segmentation, transfer_table};
@@ -225,8 +226,17 @@ pub(super) fn goes_by_spans(
 /// Whether scalars are read from the texture of gradients, which has both: where each is asked for at the same places.
 pub(super) fn reads_beside_gradients(node: &NodeContext<'_>, walk: &str) -> bool {
     let is = |slot: &str, choice: &str| node.slot(slot) == choice;
+    let is_made_so = |writer: NodeContext<'_>| {
+        writer.kind_name() == Gradient.name()
+            && writer.slot("gradient_storage") == "rgba32f"
+            && writer.text("volume_storage") == node.text("volume_storage")
+    };
+    // A volume's texture of the user's own may be stored in another way.
+    let is_ours = node.writer("gradient_volume").is_none_or(is_made_so)
+        && node.writer("volume_texture").is_none();
     // Of other walks not all are known, and others classify at the ends of segments.
-    walk == "pairs"
+    is_ours
+        && walk == "pairs"
         && is("gradient_storage", "rgba32f")
         && is("gradient", "stored")
         && is("technique", "dvr")
