@@ -99,7 +99,7 @@ pub(crate) const DEMANDED_PARAMS: &[(&str, &str)] = &[
 const OUTPUTS: &[OutputPort] = &[OutputPort {
     name: "table",
     ty: PortType::Table2d,
-    doc: "Premultiplied colour and optical depth of a segment from front scalar (x) to back scalar (y); for `lookup` `nearest`, its transmittance.",
+    doc: "Premultiplied colour and optical depth of a segment from front scalar (x) to back scalar (y); its transmittance in place of the depth where `lookup` is `nearest`, which halves do not have.",
 }];
 
 /// The parameter with the entries along a side, for kinds that call for this one.
