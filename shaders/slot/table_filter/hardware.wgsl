@@ -12,5 +12,5 @@ fn between_entries(entries: texture_2d<f32>, place: vec2f, last: f32, first: vec
 // software ones as much as a few texels.
 fn between_all_entries(entries: texture_2d<f32>, place: vec2f, last: f32) -> vec4f {
     let texel = clamp(place, vec2f(0.0), vec2f(last)) + 0.5;
-    return textureSampleLevel(entries, linear_sampler, texel / (last + 1.0), 0.0);
+    return textureSampleLevel(entries, linear_sampler, texel * (1.0 / (last + 1.0)), 0.0);
 }

@@ -15,8 +15,8 @@ use crate::methods::{Method, Setting, TruthKind};
 use crate::scene::Scene;
 use crate::truth::prune;
 
-/// Changes with how choices are made, so that older ones are made again.
-const REVISION: u32 = 5;
+/// Changes with how choices are made and with what methods cost, so that older ones are made again.
+const REVISION: u32 = 6;
 
 /// Most bytes of all choices.
 const MAX_KEPT_BYTES: u64 = 4 << 20;
