@@ -433,3 +433,37 @@ fn with_smooth_fields_the_error_falls_with_the_square_of_the_step() {
         );
     }
 }
+
+/// Tables are made for one lookup: a label that asks for another would read depths as transmittances.
+#[test]
+fn labels_share_the_lookup_that_their_tables_are_made_for() {
+    let backend = &adapters()[0];
+    for (node, label, is_fit) in [
+        ("bilinear", "nearest", false),
+        ("nearest", "bilinear", false),
+        ("nearest", "nearest", true),
+    ] {
+        let segments = format!(r#"(segments: [(label: 1, params: {{ "lookup": "{label}" }})])"#);
+        let stage = stage(|x, _, _| u32::from(x > 3), &segments).with(
+            "graph.ron",
+            graph(
+                "(1, 1, 1)",
+                CAMERAS[0],
+                r#""classify": "preintegrated_2d""#,
+                &format!(r#""lookup": "{node}""#),
+            ),
+        );
+        let session = stage.open("graph.ron", &[], backend, [8, 8]);
+        let drawn = session.and_then(|mut session| session.render().map(|_| ()));
+        match drawn {
+            Ok(()) => assert!(is_fit, "{node}, {label}"),
+            Err(findings) => {
+                let findings = findings.to_string();
+                assert!(
+                    !is_fit && findings.contains("labels have another"),
+                    "{node}, {label}: {findings}"
+                );
+            }
+        }
+    }
+}

@@ -1,28 +1,10 @@
 // Which volume is read: the only one, in bricks of several levels, from eight loads for formats that the device cannot filter.
+#import "lib/only_volume.wgsl"
 #import "lib/pages.wgsl"
-#import "lib/placement.wgsl"
-
-@group(1) @binding(0) var<uniform> volume: Volume;
-
-const VOLUMES_COUNT: u32 = 1u;
-
-// Makes `volume` that of a number, from 0.
-fn volumes_select(index: u32) {
-}
-
-// Whether the scalars of the volume of a number hold for whole voxels.
-fn volumes_is_nearest(index: u32) -> bool {
-    return false;
-}
 
 // How many voxels wide the samples are that are read at a position.
 fn volumes_grain(position: vec3f) -> f32 {
     return f32(1u << pages_at(bricks_at(position * bricks.per_texture)).level);
-}
-
-// Where a texture is filtered.
-fn volumes_place(position: vec3f) -> vec3f {
-    return position;
 }
 
 // The texel at a position, trilinear.
