@@ -13,7 +13,7 @@ struct PhongLight {
     specular: vec3f,
 }
 
-// What is `facing` is towards the eye; `is_surface` says that the point is on a surface, which lights behind do not reach, and not
+// `facing` is towards the eye; `is_surface` says that the point is on a surface, which lights behind do not reach, and not
 // inside of a volume.
 fn phong_light(world: vec3f, facing: Facing, to_eye: vec3f, shininess: f32, is_surface: bool) -> PhongLight {
     var sum = PhongLight(vec3f(0.0), vec3f(0.0));

@@ -8,10 +8,14 @@ const SPANS_TEXELS: u32 = 4u;
 // Where there is no span.
 const SPANS_NONE: vec2f = vec2f(-1.0);
 
-// Tiles of the picture: none where it is too small for any. As the node's output has it, there is a texel for every two
-// pixels, rounded.
+// Texels of the picture: one for every two pixels, rounded, as the node's output has them.
+fn spans_size() -> vec2f {
+    return max(floor(lens.extent * 0.5 + 0.5), vec2f(1.0));
+}
+
+// Tiles of the picture: none where it is too small for any.
 fn spans_tiles() -> vec2f {
-    return floor(max(floor(lens.extent * 0.5 + 0.5), vec2f(1.0)) / f32(SPANS_SIDE));
+    return floor(spans_size() / f32(SPANS_SIDE));
 }
 
 // Pixels along the sides of a tile.

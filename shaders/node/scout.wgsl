@@ -48,8 +48,7 @@ fn scout_compute(@builtin(global_invocation_id) id: vec3u) {
     let origin = (volume.texture_from_world * vec4f(ray.origin, 1.0)).xyz * bricks.per_texture;
     let given = (volume.texture_from_world * vec4f(ray.direction, 0.0)).xyz * bricks.per_texture;
     let slope = select(given, vec3f(1.0e-20), abs(given) < vec3f(1.0e-20));
-    let farthest = distance(ray.origin, volume.centre) + volume.radius;
-    let rounding = SCOUT_ROUNDING + 1.0e-6 * (abs(origin) + farthest * abs(slope));
+    let rounding = SCOUT_ROUNDING + 1.0e-6 * (abs(origin) + spans_farthest(ray) * abs(slope));
     let beside = spans_beside(ray) + rounding;
     let a = (volume.box_low * bricks.per_texture - beside - origin) / slope;
     let b = (volume.box_high * bricks.per_texture + beside - origin) / slope;
@@ -96,7 +95,6 @@ fn scout_compute(@builtin(global_invocation_id) id: vec3u) {
         span = vec2f(start, distance);
         if scouted.count + 1u >= 2u * SPANS_TEXELS {
             // The last one goes on to the end.
-            span.y = far;
             break;
         }
     }

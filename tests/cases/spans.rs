@@ -53,7 +53,7 @@ fn no_ray_of_a_tile_loses_anything() {
         "orbit(azimuth: 35, elevation: 20, zoom: 3)",
         "orbit(azimuth: 80, elevation: -15, zoom: 0.1)",
         "look_at(eye: (10, 2, 1), target: (100, 4, 0), up: (0, 1, 0), fov_y: 100)",
-        "look_at(eye: (-300, 20, 30), target: (0, 0, 0), up: (0, 1, 0), height: 40)",
+        "look_at(eye: (-300, 20, 30), target: (0, 0, 0), up: (0, 1, 0), projection: orthographic, height: 40)",
     ] {
         let stage = sheets().with("graph.ron", graph(camera));
         for size in [[1, 1], [3, 2], [37, 21], [96, 64]] {
@@ -79,10 +79,11 @@ fn no_ray_of_a_tile_loses_anything() {
     }
 }
 
-/// Where tiles are as narrow as bricks, rays take few samples of what is empty.
+/// Where tiles are narrower than bricks no ray looks for itself, and spans alone spare the samples of what is empty.
 #[test]
 fn spans_are_as_short_as_a_tile_lets_them() {
-    let stage = sheets();
+    let camera = "look_at(eye: (-60, 40, 200), target: (0, 0, 0), up: (0, 1, 0), projection: orthographic, height: 24)";
+    let stage = sheets().with("graph.ron", graph(camera));
     for backend in adapters() {
         let samples = |traverse: &str| {
             let traverse = format!("image.slots.traverse={traverse}");

@@ -192,8 +192,9 @@ fn module(
     let special = special.as_ref().unwrap_or(&program.module);
     let hoisted = gpu
         .reads_uniforms_slowly()
-        .then(|| hoist_uniforms(special, gpu.capabilities()).ok());
-    let special = hoisted.as_ref().and_then(Option::as_ref).unwrap_or(special);
+        .then(|| hoist_uniforms(special, gpu.capabilities()).ok())
+        .flatten();
+    let special = hoisted.as_ref().unwrap_or(special);
     let mut guarded = guard(special, request, gpu.capabilities());
     // Without its guard a loop that does not end would take the device with it.
     if let Some(reason) = &guarded.unguarded {
