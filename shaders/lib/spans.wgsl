@@ -23,6 +23,11 @@ fn spans_pixels() -> vec2f {
     return lens.extent / max(spans_tiles(), vec2f(1.0));
 }
 
+// The tile of a place in the picture.
+fn spans_tile(pixel: vec2f) -> vec2f {
+    return min(floor(pixel / spans_pixels()), spans_tiles() - 1.0);
+}
+
 // A texel of a tile.
 fn spans_texel(tile: vec2f, number: u32) -> vec2f {
     let row = number / SPANS_SIDE;

@@ -1,11 +1,12 @@
 // Single-pass raycasting (Stegmaier et al. 2005): one walk per pixel through the volume's box, segment by segment.
 // The walk is here; what a segment means is the technique's. The same walk runs as a fragment shader over the proxy
-// geometry and as a compute shader over the pixels that it covers.
+// geometry and as a compute shader over the pixels that it covers, or those of them that are worth it.
 #import "lib/volume.wgsl"
 #import "lib/proxy.wgsl"
 #import slot "parts"
 #import "lib/sample.wgsl"
 #import "lib/shown.wgsl"
+#import slot "pixels"
 #import slot "technique"
 #import slot "walk"
 #import slot "heed"
@@ -85,8 +86,8 @@ fn raycast_fragment(@builtin(position) position: vec4f) {
 }
 
 @compute @workgroup_size(8, 8, 1)
-fn raycast_compute(@builtin(global_invocation_id) id: vec3u) {
-    let pixel = id.xy + tile.first;
+fn raycast_compute(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let pixel = pixels_at(group, lane);
     if all(vec2f(pixel) < lens.extent) {
         raycast_write(raycast_pixel(vec2f(pixel) + 0.5), vec2i(pixel));
     }

@@ -1,6 +1,7 @@
 // Which parts of rays may see anything (beams: Laine and Karras 2010): one ray through the middle of a tile of pixels looks
 // at bricks ahead for all rays of the tile. Bricks around it are empty for all of them where they hold whatever is as far
 // away as the tile's corners.
+#import "lib/active_blocks.wgsl"
 #import "lib/bricks.wgsl"
 #import "lib/ray.wgsl"
 #import "lib/spans.wgsl"
@@ -9,7 +10,15 @@
 #import "lib/volume.wgsl"
 #import slot "look"
 
+struct ActiveBlocks {
+    workgroups: vec3u,
+    count: atomic<u32>,
+    blocks: array<u32>,
+}
+
 @group(3) @binding(26) var spans_out: texture_storage_2d<rgba32float, write>;
+@group(3) @binding(27) var spans: texture_2d<f32>;
+@group(3) @binding(28) var<storage, read_write> active_blocks_out: ActiveBlocks;
 
 // Whatever bricks say, a scout comes to its end.
 const SCOUT_TURNS: u32 = 16384u;
@@ -108,4 +117,39 @@ fn scout_compute(@builtin(global_invocation_id) id: vec3u) {
     for (var turn = 0u; turn < 2u * SPANS_TEXELS && scouted.count < 2u * SPANS_TEXELS; turn++) {
         scouted = scout_add(scouted, SPANS_NONE);
     }
+}
+
+// The list of blocks of pixels that have a span, in any order.
+@compute @workgroup_size(1)
+fn scout_reset() {
+    atomicStore(&active_blocks_out.count, 0u);
+}
+
+@compute @workgroup_size(8, 8, 1)
+fn scout_list(@builtin(global_invocation_id) id: vec3u) {
+    let first = vec2f(ACTIVE_BLOCKS_SIDE * id.xy);
+    if any(first >= lens.extent) {
+        return;
+    }
+    // The tiles of its pixels; where there are none, rays have to find out for themselves.
+    let last = min(first + f32(ACTIVE_BLOCKS_SIDE), lens.extent) - 0.5;
+    let end = spans_tile(last);
+    var is_active = any(spans_tiles() < vec2f(1.0));
+    for (var y = spans_tile(first + 0.5).y; y <= end.y && !is_active; y += 1.0) {
+        for (var x = spans_tile(first + 0.5).x; x <= end.x && !is_active; x += 1.0) {
+            is_active = textureLoad(spans, vec2i(spans_texel(vec2f(x, y), 0u)), 0).y >= 0.0;
+        }
+    }
+    if is_active {
+        let number = atomicAdd(&active_blocks_out.count, 1u);
+        active_blocks_out.blocks[number] = active_blocks_packed(id.xy);
+    }
+}
+
+@compute @workgroup_size(1)
+fn scout_settle() {
+    let groups = active_blocks_groups(atomicLoad(&active_blocks_out.count));
+    // As few too many as can be: processors hand them out in equal parts.
+    let rows = max((groups + ACTIVE_BLOCKS_ROW - 1u) / ACTIVE_BLOCKS_ROW, 1u);
+    active_blocks_out.workgroups = vec3u((groups + rows - 1u) / rows, rows, 1u);
 }

@@ -30,12 +30,12 @@ pub enum Pass {
         /// Values of `override` constants.
         constants: Vec<(String, f64)>,
     },
-    /// Runs a compute entry point with as many workgroups as an earlier pass of the node has found out.
+    /// Runs a compute entry point with as many workgroups as an earlier pass, of this node or of another, has found out.
     ComputeIndirect {
         /// Its name.
         entry: &'static str,
-        /// Output port: a buffer that starts with the number of workgroups along x, y, z. No binding of the entry point
-        /// may be of the same buffer.
+        /// Output port, or where there is none of that name an input port: a buffer that starts with the number of
+        /// workgroups along x, y, z. Bindings of the entry point may read the same buffer, and not write it.
         workgroups: &'static str,
         /// Values of `override` constants.
         constants: Vec<(String, f64)>,

@@ -42,15 +42,27 @@ const SLOTS: &[SlotSpec] = &[SlotSpec {
     doc: "What is the scalar at a point?",
 }];
 
-/// The parameter with the size of bricks, for kinds that call for this one.
-#[must_use]
+/// The parameter `brick_size`.
 pub fn size_param() -> ParamSpec {
     ParamSpec::int(
         "brick_size",
-        4,
-        "Voxels along an edge of the bricks that walks leap over.",
+        LARGEST_DEFAULT.into(),
+        "Voxels along an edge of the bricks that walks leap over; by default 1 or 2 where a scout looks for all rays and the volume has at most 262,144 bricks then.",
     )
-    .range(2.0, 64.0)
+    .range(1.0, 64.0)
+}
+
+/// The edge where nothing else is said, and most bricks of a smaller one: a transfer function's edit looks at all of them.
+const LARGEST_DEFAULT: u32 = 4;
+const MOST_OF_SMALLER: u64 = 1 << 18;
+
+/// The smallest edge, a power of two, of which a grid has few enough bricks.
+pub(crate) fn smallest_edge(dims: [u32; 3]) -> u32 {
+    let is_small = |edge: &u32| {
+        let bricks = brick_dims(dims, *edge).map(u64::from);
+        bricks.into_iter().fold(1, u64::saturating_mul) <= MOST_OF_SMALLER
+    };
+    [1, 2].into_iter().find(is_small).unwrap_or(LARGEST_DEFAULT)
 }
 
 /// How many voxels beside a brick the scalars at its faces are made of. `None` where scalars may lie outside of the range

@@ -102,13 +102,18 @@ pub(crate) fn absorbing(node: &NodeContext<'_>) -> Result<Vec<(f64, f64)>, Findi
         all.extend(spans.map(|(from, to)| (scalar(from), scalar(to))));
     }
     let mut spans = union(all);
-    while spans.len() > SPANS {
+    join_nearest(&mut spans, SPANS);
+    Ok(spans)
+}
+
+/// Of more than so many rising intervals, those nearest to each other become one.
+pub(crate) fn join_nearest(spans: &mut Vec<(f64, f64)>, most: usize) {
+    while spans.len() > most.max(1) {
         let gap = |at: &usize| spans[at + 1].0 - spans[*at].1;
         let least = (0..spans.len() - 1).min_by(|a, b| gap(a).total_cmp(&gap(b)));
         let at = least.unwrap_or(0);
         spans[at].1 = spans.remove(at + 1).1;
     }
-    Ok(spans)
 }
 
 /// The members of the uniform `absorbing` (see `lib/absorbing.wgsl`).

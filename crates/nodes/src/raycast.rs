@@ -1,5 +1,6 @@
 //! `raycast`: one walk per pixel through the volume's box; slots say what a segment means.
 
+mod heed;
 mod ports;
 mod slots;
 mod tables;
@@ -194,6 +195,7 @@ impl NodeKind for Raycast {
             "segmentation",
             "tile",
             "light_grid",
+            "absorbing_few",
         ]
     }
 
@@ -223,10 +225,14 @@ impl NodeKind for Raycast {
         let leaps = leaps(node);
         let walk = walk::walk(node, &leaps[1].1);
         fixed_slots.extend(leaps);
+        let mut pixels = "box";
         if walk::goes_by_spans(node, &walk, &fixed_slots) {
             fixed_slots.insert("leap".to_owned(), "spans".to_owned());
+            pixels = "active_blocks";
         }
-        fixed_slots.insert("heed".to_owned(), walk::heed(node));
+        fixed_slots.insert("pixels".to_owned(), pixels.to_owned());
+        let heed = heed::heed(node, looks_at(node).as_deref());
+        fixed_slots.insert("heed".to_owned(), heed);
         if walk::reads_beside_gradients(node, &walk) {
             fixed_slots.insert("volumes".to_owned(), "beside_gradients".to_owned());
         }
@@ -307,6 +313,7 @@ impl NodeKind for Raycast {
             }
             "lit_tables" => lit_preintegration::uniform(node),
             "preintegration_3d" => preintegration_3d::uniform(node),
+            "absorbing_few" => heed::absorbing_few(node),
             _ => tile_uniform(node),
         }
     }
@@ -341,6 +348,13 @@ impl NodeKind for Raycast {
         let mut passes = vec![compute("raycast_begin", view)];
         match (node.variant(), tile(node)?) {
             (_, None) => {}
+            (Some("compute"), _) if node.is_connected("active_blocks") => {
+                passes.push(Pass::ComputeIndirect {
+                    entry: "raycast_compute",
+                    workgroups: "active_blocks",
+                    constants: Vec::new(),
+                });
+            }
             (Some("compute"), Some([_, _, width, height])) => {
                 passes.push(compute("raycast_compute", [width, height]));
             }

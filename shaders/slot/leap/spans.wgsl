@@ -14,7 +14,7 @@ const SPANS_COARSE: f32 = 0.6;
 
 fn leap_from(ray: Ray, index: u32) -> Leap {
     let tiles = spans_tiles();
-    let tile = min(floor(ray.pixel / spans_pixels()), tiles - 1.0);
+    let tile = spans_tile(ray.pixel);
     let per_texel = 1.0 / spans_size();
     let start = ray.near + f32(index) * step_world();
     // Pictures that are smaller than a tile have none.

@@ -3,10 +3,32 @@
 // enough they say so of every segment (`@walks pairs` in their file). In here a segment is a step long, which is known
 // when the shader is built. Software drivers keep what each pixel of a vector does apart from one way out of a loop to
 // the next, and from one side of a branch to the other: without these a walk takes two thirds of the time.
+//
+// Where the technique does not see all segments, and what it makes of those that it sees is far more than a look at them
+// (`heed`), a loop of its own looks for the next two of which one is seen; another goes through them until two are not.
 #import slot "error_layer"
+#import slot "heed"
 #import slot "leap"
 #import slot "technique"
 #import "lib/walked.wgsl"
+
+// Two steps side by side.
+struct Pair {
+    near: Segment,
+    far: Segment,
+}
+
+fn pair_at(ray: Ray, front: Sample, index: u32, step: f32) -> Pair {
+    let middle = sample_along(ray, f32(index + 1u) * step);
+    let back = sample_along(ray, f32(index + 2u) * step);
+    let near = segment_step(front, middle, f32(index) * step, step);
+    return Pair(near, segment_step(middle, back, f32(index + 1u) * step, step));
+}
+
+fn pair_is_heeded(ray: Ray, pair: Pair) -> bool {
+    let is_near = heed_segment(ray, pair.near);
+    return heed_segment(ray, pair.far) || is_near;
+}
 
 fn walk_part(state: ptr<function, TechniqueState>, ray: ptr<function, Ray>, error: ptr<function, ErrorLayer>) -> Walked {
     let length = (*ray).far - (*ray).near;
@@ -25,13 +47,32 @@ fn walk_part(state: ptr<function, TechniqueState>, ray: ptr<function, Ray>, erro
             samples++;
         }
         let last = min(index + leap.segments, whole);
-        for (; index + 1u < last && !is_done; index += 2u) {
-            let middle = sample_along(*ray, f32(index + 1u) * step);
-            let back = sample_along(*ray, f32(index + 2u) * step);
-            technique_segment(state, ray, segment_step(front, middle, f32(index) * step, step));
-            is_done = technique_segment(state, ray, segment_step(middle, back, f32(index + 1u) * step, step));
-            front = back;
+        for (; !heed_is_choosy() && index + 1u < last && !is_done; index += 2u) {
+            let pair = pair_at(*ray, front, index, step);
+            technique_segment(state, ray, pair.near);
+            is_done = technique_segment(state, ray, pair.far);
+            front = pair.far.back;
             samples += 2u;
+        }
+        for (var hunt = 0u; heed_is_choosy() && hunt <= whole && index + 1u < last && !is_done; hunt++) {
+            var is_heeded = false;
+            for (; index + 1u < last && !is_heeded; ) {
+                let pair = pair_at(*ray, front, index, step);
+                is_heeded = pair_is_heeded(*ray, pair);
+                if !is_heeded {
+                    front = pair.far.back;
+                    index += 2u;
+                }
+                samples += 2u;
+            }
+            for (; index + 1u < last && is_heeded && !is_done; index += 2u) {
+                let pair = pair_at(*ray, front, index, step);
+                is_heeded = pair_is_heeded(*ray, pair);
+                technique_segment(state, ray, pair.near);
+                is_done = technique_segment(state, ray, pair.far);
+                front = pair.far.back;
+                samples += 2u;
+            }
         }
     }
     // One step may be left, and what is less than a step.

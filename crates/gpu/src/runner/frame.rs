@@ -230,7 +230,9 @@ impl Runner {
                         }
                         match &pass {
                             Pass::ComputeIndirect { workgroups, .. } => {
-                                let held = installation.output(id, workgroups)?;
+                                let held = installation
+                                    .output(id, workgroups)
+                                    .or_else(|_| installation.input(id, workgroups))?;
                                 let buffer = held
                                     .buffer()
                                     .ok_or_else(|| internal(&plan, id, workgroups))?;

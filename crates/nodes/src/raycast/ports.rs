@@ -121,6 +121,12 @@ pub(super) const INPUTS: &[InputPort] = &[
         doc: "The parts of rays that may see anything.",
     },
     InputPort {
+        name: "active_blocks",
+        ty: PortType::Buffer,
+        requirement: Requirement::Demanded(scout::SPANS),
+        doc: "The blocks of pixels whose rays may see anything.",
+    },
+    InputPort {
         name: "stride_map",
         ty: PortType::StrideMap,
         requirement: Requirement::Demanded(stride_map::STRIDES),

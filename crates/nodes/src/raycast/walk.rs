@@ -16,7 +16,7 @@ use super::tables::data_value;
 use crate::gradient::Gradient;
 use crate::preintegration::Preintegration;
 use crate::step_table::StepTable;
-use crate::{clip_volume, light_volume, placement, segmentation, transfer_table};
+use crate::{brick_ranges, clip_volume, light_volume, placement, segmentation, transfer_table};
 
 /// Most segments of a ray: software drivers end loops after 65,535 turns, and a GPU would be busy for seconds.
 pub(crate) const MAX_SEGMENTS: f64 = 65_535.0;
@@ -119,10 +119,15 @@ fn is_trilinear(node: &NodeContext<'_>) -> bool {
     node.slot("reconstruct") == "trilinear"
 }
 
-/// The default of a parameter where that of the shader does not fit the node's reconstruction, or its technique: rays in
-/// glass go to and fro, and solving the field in each cell that they meet takes more turns than software drivers give all
+/// The default of a parameter where that of the kind does not fit the node's walk, or that of the shader its reconstruction
+/// or its technique: rays in glass go to and fro, and solving the field in each cell that they meet takes more turns than software drivers give all
 /// loops of a pixel.
 pub(crate) fn default_of(param: &str, node: &NodeContext<'_>) -> Option<ParamValue> {
+    if param == "brick_size" && node.uses_binding("spans") {
+        // One ray looks at bricks for a whole tile of pixels: smaller ones pay.
+        let size = brick_ranges::smallest_edge(placement::placed(node, "volume").ok()?.grid().dims);
+        return Some(ParamValue::Int(i64::from(size)));
+    }
     let (_, _, other) = OF_TRILINEAR
         .into_iter()
         .find(|(name, _, _)| *name == param)?;
@@ -161,19 +166,6 @@ pub(crate) fn longest_ray(grid: &Grid) -> f64 {
         .iter()
         .flat_map(|from| corners.iter().map(move |to| from.distance(*to)));
     pairs.fold(0.0, f64::max)
-}
-
-/// Which segments the technique looks into, the choice of the slot `heed`: of the trilinear field it is known how much it
-/// changes within a segment, so that only those are looked into that may show something. What the
-/// technique's file says holds for it.
-pub(super) fn heed(node: &NodeContext<'_>) -> String {
-    let heeds = node.slot("heed");
-    // The estimate of the error goes along with every segment.
-    if is_trilinear(node) && !node.is_wanted("error") && !placement::is_in_bricks(node) {
-        heeds.to_owned()
-    } else {
-        "all".to_owned()
-    }
 }
 
 /// How parts of rays are walked along, the choice of the slot `walk`: in pairs of whole steps where the technique's file

@@ -243,6 +243,7 @@ fn one_mistake_in_a_real_shader_is_one_finding() {
         ("reconstruct", "trilinear"),
         ("traverse", "uniform"),
         ("leap", "none"),
+        ("pixels", "box"),
         ("walk", "pairs"),
         ("steps", "table"),
         ("light_places", "anywhere"),

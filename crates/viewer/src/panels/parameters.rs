@@ -8,7 +8,7 @@ use volgraph_shader::{DiskFiles, ParamSpec, ParamType, ParamValue, SnapshotFiles
 use crate::worker::{Request, Told};
 
 /// Slots that follow from other choices: nobody picks them.
-const DERIVED: [&str; 16] = [
+const DERIVED: [&str; 17] = [
     "behind",
     "clip_volume_filter",
     "emptiness",
@@ -18,6 +18,7 @@ const DERIVED: [&str; 16] = [
     "light_places",
     "look",
     "parts",
+    "pixels",
     "steps",
     "table_filter",
     "transfer_reach",
