@@ -152,7 +152,7 @@ impl NodeKind for Raycast {
                 "stage",
                 &["auto", "fragment", "compute"],
                 "auto",
-                "Whether rays run in a fragment or a compute shader; auto measures both once and takes the faster.",
+                "Whether rays run in a fragment or a compute shader; auto takes compute where a scout has found what is seen, and otherwise measures both once and takes the faster.",
             ),
             volume_texture::storage_param(),
             brick_ranges::size_param(),
@@ -263,6 +263,8 @@ impl NodeKind for Raycast {
         match node.text("stage") {
             "fragment" => vec!["fragment"],
             "compute" => vec!["compute"],
+            // Blocks without a span cost a dispatch nothing, and a draw as much as their walks do at least.
+            _ if node.is_connected("active_blocks") => vec!["compute"],
             _ => vec!["fragment", "compute"],
         }
     }

@@ -36,16 +36,11 @@ fn walk_part(state: ptr<function, TechniqueState>, ray: ptr<function, Ray>, erro
     let whole = min(u32(length / step), WALK_MAX_SEGMENTS);
     var samples = 1u;
     var is_done = false;
-    var index = 0u;
-    var front = sample_along(*ray, 0.0);
-    // A look at what is ahead is worth it where there are two steps at least.
+    var leap = leap_from(*ray, 0u);
+    var index = leap.index;
+    var front = sample_along(*ray, min(f32(index) * step, length));
+    // What lies ahead is looked at behind what is walked: so no turn finds out that there is nothing.
     for (var looks = 0u; looks <= whole && index + 1u < whole && !is_done; looks++) {
-        let leap = leap_from(*ray, index);
-        if leap.index != index {
-            index = leap.index;
-            front = sample_along(*ray, min(f32(index) * step, length));
-            samples++;
-        }
         let last = min(index + leap.segments, whole);
         for (; !heed_is_choosy() && index + 1u < last && !is_done; index += 2u) {
             let pair = pair_at(*ray, front, index, step);
@@ -73,6 +68,12 @@ fn walk_part(state: ptr<function, TechniqueState>, ray: ptr<function, Ray>, erro
                 front = pair.far.back;
                 samples += 2u;
             }
+        }
+        leap = leap_from(*ray, index);
+        if leap.index != index {
+            index = leap.index;
+            front = sample_along(*ray, min(f32(index) * step, length));
+            samples++;
         }
     }
     // One step may be left, and what is less than a step.
