@@ -8,7 +8,7 @@ const BRICK_LEAP_TURNS: u32 = 8192u;
 
 // The place of a segment's start, counted in bricks.
 fn brick_leap_place(ray: Ray, index: u32) -> vec3f {
-    return ray_position(ray, f32(index) * step_world()) * bricks.per_texture;
+    return bricks_place(ray_position(ray, f32(index) * step_world()));
 }
 
 // The number of the first segment from `index` on that does not end within a box of bricks, which it starts in.

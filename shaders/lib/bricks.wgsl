@@ -7,11 +7,19 @@ struct Bricks {
     columns: i32,
     // Bricks for the whole of the texture coordinates.
     per_texture: vec3f,
+    // From the texture's corner to the first brick's: bricks go from voxel centre to voxel centre, so that they are made of as few
+    // voxels as can be. What is before the first one belongs to it.
+    shift: vec3f,
     // Texels of a map.
     map_size: vec2f,
 }
 
 @group(1) @binding(30) var<uniform> bricks: Bricks;
+
+// Texture coordinates counted in bricks.
+fn bricks_place(position: vec3f) -> vec3f {
+    return position * bricks.per_texture - bricks.shift;
+}
 
 // The brick at a place that is counted in bricks.
 fn bricks_at(place: vec3f) -> vec3i {

@@ -39,7 +39,7 @@ fn pages_shrink(level: u32) -> f32 {
 
 // Where a position of a volume of so many voxels is in the pool, in texels.
 fn pages_place(position: vec3f, dims: vec3f) -> vec3f {
-    let brick = bricks_at(position * bricks.per_texture);
+    let brick = bricks_at(bricks_place(position));
     let page = pages_at(brick);
     let shrink = pages_shrink(page.level);
     let first = floor(vec3f(brick) * shrink) * pages.edge;

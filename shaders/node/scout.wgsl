@@ -54,13 +54,13 @@ fn scout_compute(@builtin(global_invocation_id) id: vec3u) {
     }
     let ray = ray_through((tile + 0.5) * spans_pixels());
     // In bricks, of a box that is larger by as much as rays are apart; distances are rounded by more where they are long.
-    let origin = (volume.texture_from_world * vec4f(ray.origin, 1.0)).xyz * bricks.per_texture;
+    let origin = bricks_place((volume.texture_from_world * vec4f(ray.origin, 1.0)).xyz);
     let given = (volume.texture_from_world * vec4f(ray.direction, 0.0)).xyz * bricks.per_texture;
     let slope = select(given, vec3f(1.0e-20), abs(given) < vec3f(1.0e-20));
     let rounding = SCOUT_ROUNDING + 1.0e-6 * (abs(origin) + spans_farthest(ray) * abs(slope));
     let beside = spans_beside(ray) + rounding;
-    let a = (volume.box_low * bricks.per_texture - beside - origin) / slope;
-    let b = (volume.box_high * bricks.per_texture + beside - origin) / slope;
+    let a = (bricks_place(volume.box_low) - beside - origin) / slope;
+    let b = (bricks_place(volume.box_high) + beside - origin) / slope;
     let first = min(a, b);
     let last = max(a, b);
     let near = max(max(max(first.x, first.y), first.z), 0.0);

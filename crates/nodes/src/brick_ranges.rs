@@ -130,7 +130,13 @@ pub(crate) fn map_size(node: &NodeContext<'_>) -> Result<([u32; 3], [u32; 3]), F
 pub(crate) fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
     let (dims, map) = map_size(node)?;
     let size = edge(node)?.max(1);
-    let voxels = placed(node, "volume")?.grid().dims;
+    let placed = placed(node, "volume")?;
+    let voxels = placed.grid().dims;
+    // Those that a volume is read in go from face to face.
+    let shift = match placed.brick_edge {
+        Some(_) => 0.0,
+        None => 0.5 / f64::from(size),
+    };
     let whole = |n: u32| i32::try_from(n).unwrap_or(i32::MAX);
     Ok(vec![
         ("dims", UniformValue::IVec3(dims.map(whole))),
@@ -139,6 +145,7 @@ pub(crate) fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
             "per_texture",
             vec3(DVec3::from_array(voxels.map(f64::from)) / f64::from(size)),
         ),
+        ("shift", vec3(DVec3::splat(shift))),
         (
             "map_size",
             UniformValue::Vec2([map[0] as f32, map[1] as f32]),
@@ -182,7 +189,9 @@ impl NodeKind for BrickRanges {
 
     fn record(&self, node: &NodeContext<'_>) -> Result<Vec<Pass>, Finding> {
         let encoding = Encoding::choose(volume(node, "volume")?, node.text("volume_storage"));
-        let margin = known_margin(node)?;
+        // From voxel centre to voxel centre.
+        let behind = known_margin(node)?;
+        let margin = [behind.saturating_sub(1), behind];
         let size = node.uint("brick_size");
         let source = node.source::<VolumeSource>("volume");
         let volume = source.map(|source| Arc::clone(&source.volume));

@@ -43,7 +43,7 @@ impl RangeMap {
             EDGE
         };
         // What samples between the first voxel of a brick and that of the next are made of.
-        let bricks = volume.brick_ranges(edge, 1);
+        let bricks = volume.brick_ranges(edge, [1; 2]);
         let (low, high) = volume.statistics().range().unwrap_or((0.0, 0.0));
         let is_exact = matches!(
             volume.voxels().scalar_type(),

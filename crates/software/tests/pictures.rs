@@ -71,7 +71,7 @@ impl Stand {
         )
         .unwrap();
         let map =
-            edge.map(|edge| DistanceMap::new(&self.volume.brick_ranges(edge, 1), edge, &tables));
+            edge.map(|edge| DistanceMap::new(&self.volume.brick_ranges(edge, [1; 2]), edge, &tables));
         draw(&Raycast {
             placement: self.volume.grid(),
             voxels: &self.grid,

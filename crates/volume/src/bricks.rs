@@ -1,7 +1,8 @@
 //! The least and the largest scalar in bricks of a volume: what a walk need not look at.
 //!
 //! A brick is a cube of so many voxels along each edge; the last ones along an axis may be cut off. Its range is that of
-//! all voxels that scalars inside of it are made of: with a margin of voxels beyond its faces, clamped to the grid.
+//! all voxels that scalars inside of it are made of: with margins of voxels before and behind it, clamped to the grid. A
+//! brick that goes from voxel centre to voxel centre needs one voxel less before it than one that goes from face to face.
 
 use std::ops::Range;
 
@@ -25,9 +26,9 @@ pub fn brick_dims(dims: [u32; 3], edge: u32) -> [u32; 3] {
 }
 
 impl Volume {
-    /// The ranges of its bricks of `edge` voxels, with a margin of `margin` voxels.
+    /// The ranges of its bricks of `edge` voxels, with so many voxels before and behind them along each axis.
     #[must_use]
-    pub fn brick_ranges(&self, edge: u32, margin: u32) -> BrickRanges {
+    pub fn brick_ranges(&self, edge: u32, margin: [u32; 2]) -> BrickRanges {
         let dims = brick_dims(self.grid().dims, edge);
         let ranges = self.brick_ranges_of(edge, margin, 0..dims[2]);
         BrickRanges { dims, ranges }
@@ -35,11 +36,16 @@ impl Volume {
 
     /// Those of some layers of bricks along z.
     #[must_use]
-    pub fn brick_ranges_of(&self, edge: u32, margin: u32, layers: Range<u32>) -> Vec<[f64; 2]> {
+    pub fn brick_ranges_of(
+        &self,
+        edge: u32,
+        margin: [u32; 2],
+        layers: Range<u32>,
+    ) -> Vec<[f64; 2]> {
         let bricks = Bricks {
             dims: self.grid().dims.map(|n| n as usize),
             edge: edge.max(1) as usize,
-            margin: margin as usize,
+            margin: margin.map(|voxels| voxels as usize),
             layers: layers.start as usize..layers.end as usize,
         };
         match self.voxels() {
@@ -63,7 +69,7 @@ struct Bricks {
     /// Voxels along each axis of the grid.
     dims: [usize; 3],
     edge: usize,
-    margin: usize,
+    margin: [usize; 2],
     /// Of bricks, along z.
     layers: Range<usize>,
 }
@@ -72,7 +78,8 @@ impl Bricks {
     /// The voxels along an axis that a brick's scalars are made of.
     fn reach(&self, brick: usize, axis: usize) -> Range<usize> {
         let start = brick * self.edge;
-        start.saturating_sub(self.margin)..(start + self.edge + self.margin).min(self.dims[axis])
+        let [before, behind] = self.margin;
+        start.saturating_sub(before)..(start + self.edge + behind).min(self.dims[axis])
     }
 
     fn ranges<S: Copy + Sync, T: Copy + PartialOrd>(
@@ -135,7 +142,7 @@ mod tests {
             .collect();
         let grid = Grid::axis_aligned(dims, DVec3::ONE, DVec3::ZERO);
         let volume = Volume::new("v", grid, Voxels::F32(values)).unwrap();
-        for (edge, margin) in [(4, 1), (3, 2), (16, 1), (1, 0)] {
+        for (edge, margin) in [(4, [1, 1]), (3, [1, 2]), (16, [0, 1]), (1, [0, 0])] {
             let found = volume.brick_ranges(edge, margin);
             assert_eq!(found.dims, dims.map(|n| n.div_ceil(edge)));
             let mut at = 0;
@@ -143,8 +150,8 @@ mod tests {
                 for y in 0..found.dims[1] {
                     for x in 0..found.dims[0] {
                         let near = |voxel: u32, brick: u32| {
-                            (brick * edge).saturating_sub(margin) <= voxel
-                                && voxel < brick * edge + edge + margin
+                            (brick * edge).saturating_sub(margin[0]) <= voxel
+                                && voxel < brick * edge + edge + margin[1]
                         };
                         let mut expected = [f64::INFINITY, f64::NEG_INFINITY];
                         for k in (0..dims[2]).filter(|k| near(*k, z)) {
@@ -169,7 +176,7 @@ mod tests {
         let values: Vec<u16> = (0..9 * 6 * 11).map(|i| (i * 7919 % 1000) as u16).collect();
         let grid = Grid::axis_aligned(dims, DVec3::ONE, DVec3::ZERO);
         let volume = Volume::new("v", grid, values.into()).unwrap();
-        for (edge, margin) in [(1, 0), (4, 1), (4, 2), (16, 1)] {
+        for (edge, margin) in [(1, [0, 0]), (4, [1, 1]), (4, [1, 2]), (16, [1, 1])] {
             let whole = volume.brick_ranges(edge, margin);
             let details = volume.brick_details(edge, margin);
             let layers = brick_dims(dims, edge)[2];

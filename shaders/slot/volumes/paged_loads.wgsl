@@ -4,7 +4,7 @@
 
 // How many voxels wide the samples are that are read at a position.
 fn volumes_grain(position: vec3f) -> f32 {
-    return f32(1u << pages_at(bricks_at(position * bricks.per_texture)).level);
+    return f32(1u << pages_at(bricks_at(bricks_place(position))).level);
 }
 
 // The texel at a position, trilinear.

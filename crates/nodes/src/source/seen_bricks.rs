@@ -44,7 +44,7 @@ impl SeenBricks {
         }
         let bricks = self
             .ranges
-            .get_or_init(|| volume.brick_ranges(EDGE, MARGIN));
+            .get_or_init(|| volume.brick_ranges(EDGE, [MARGIN; 2]));
         let bounds = bounds(bricks, &asked.spans, encoding);
         *last = Some((asked, bounds));
         bounds
