@@ -27,6 +27,10 @@ fn sheets() -> Stage {
 }
 
 fn graph(camera: &str) -> String {
+    graph_of(camera, r#""classify": "post""#)
+}
+
+fn graph_of(camera: &str, slots: &str) -> String {
     format!(
         r#"(
     sources: {{
@@ -37,7 +41,7 @@ fn graph(camera: &str) -> String {
     nodes: {{
         "box":   (kind: "proxy_box", in: {{ "volume": "v" }}),
         "image": (kind: "raycast", in: {{ "volume": "v", "transfer": "t", "rays": "box" }},
-                  slots: {{ "classify": "post", "traverse": "skip" }}, params: {{ "step": 0.5, "early_termination": 0 }}),
+                  slots: {{ {slots}, "traverse": "skip" }}, params: {{ "step": 0.5, "early_termination": 0 }}),
     }},
     outputs: {{ "color": "image.color", "samples": "image.samples" }},
 )"#
@@ -58,20 +62,23 @@ fn no_ray_of_a_tile_loses_anything() {
         let stage = sheets().with("graph.ron", graph(camera));
         for size in [[1, 1], [3, 2], [37, 21], [96, 64]] {
             for backend in adapters() {
-                for brick in [
-                    "image.brick_size=2",
-                    "image.brick_size=4",
-                    "image.brick_size=16",
+                for (brick, shaders) in [
+                    (1, "compute"),
+                    (2, "fragment"),
+                    (4, "compute"),
+                    (16, "compute"),
                 ] {
+                    let brick = format!("image.brick_size={brick}");
+                    let shaders = format!("image.stage={shaders}");
                     let of = |traverse: &str| {
                         let traverse = format!("image.slots.traverse={traverse}");
-                        render(&stage, &[&traverse, brick], &backend, size).0
+                        render(&stage, &[&traverse, &brick, &shaders], &backend, size).0
                     };
                     let [plain, leapt] = ["uniform", "skip"].map(of);
                     let error = compare_without_flip(&plain, &leapt).unwrap().max.error;
                     assert!(
                         error <= 1e-6,
-                        "{camera}, {size:?} on {backend}, {brick}: {error:e}"
+                        "{camera}, {size:?} on {backend}, {brick}, {shaders}: {error:e}"
                     );
                 }
             }
@@ -79,7 +86,76 @@ fn no_ray_of_a_tile_loses_anything() {
     }
 }
 
-/// Where tiles are narrower than bricks no ray looks for itself, and spans alone spare the samples of what is empty.
+/// Scalars are made of the voxels around: a sheet of one voxel is seen for as far on either side of it, in bricks that
+/// do not have it, too. So close that tiles and steps are far smaller than voxels, along a ray that goes in, and out.
+#[test]
+fn bricks_end_where_scalars_are_made_of_other_voxels() {
+    let camera = "look_at(eye: (60, 0.2, 0.1), target: (0, 0, 0), up: (0, 1, 0), projection: orthographic, height: 0.2)";
+    let graph = graph_of(camera, r#""classify": "preintegrated_2d""#)
+        .replace("v_256x24x20", "v_18x4x4")
+        .replace("\"step\": 0.5", "\"step\": 0.02");
+    for sheet in 0..6 {
+        let field = |x: u32, _: u32, _: u32| if x == 5 + sheet { 1.0 } else { 0.0 };
+        let stage = sheets()
+            .with_floats("v", [18, 4, 4], field)
+            .with("graph.ron", &graph);
+        for backend in adapters() {
+            for brick in [1, 2, 3, 4] {
+                let brick = format!("image.brick_size={brick}");
+                let of = |traverse: &str| {
+                    let traverse = format!("image.slots.traverse={traverse}");
+                    render(&stage, &[&traverse, &brick], &backend, [24, 16]).0
+                };
+                let [plain, leapt] = ["uniform", "skip"].map(of);
+                let error = compare_without_flip(&plain, &leapt).unwrap().max.error;
+                assert!(error <= 1e-6, "{sheet} on {backend}, {brick}: {error:e}");
+            }
+        }
+    }
+}
+
+/// Segments that absorb nothing are not lit, whatever the quadrature and however many intervals absorb; light that is itself a
+/// walk, and nothing to see at all.
+#[test]
+fn what_absorbs_is_lit_as_without_skipping() {
+    let camera = "orbit(azimuth: 35, elevation: 20, zoom: 2)";
+    let peak = |at: f64| {
+        format!(
+            "(at: {}, color: (1, {at}, 0.2), opacity: 0), (at: {at}, color: (1, {at}, 0.2), opacity: 0.8), (at: {}, color: (1, {at}, 0.2), opacity: 0),",
+            at - 0.02,
+            at + 0.02
+        )
+    };
+    let peaks: String = [0.1, 0.2, 0.35, 0.5, 0.6, 0.75, 0.9].map(peak).concat();
+    let clear = "(at: 0, color: (1, 1, 1), opacity: 0), (at: 1, color: (1, 1, 1), opacity: 0),";
+    for (points, seen) in [(peaks.as_str(), true), (clear, false)] {
+        for slots in [
+            r#""classify": "post", "light": "phong""#,
+            r#""classify": "preintegrated_2d", "light": "phong""#,
+            r#""classify": "preintegrated_3d", "light": "phong""#,
+            r#""classify": "integral_1d", "light": "phong_ends""#,
+            r#""classify": "gauss2", "light": "phong""#,
+            r#""classify": "preintegrated_2d", "light": "phong", "shadow": "transmittance""#,
+        ] {
+            let stage = sheets()
+                .with("t.ron", format!("(points: [{points}])"))
+                .with("graph.ron", graph_of(camera, slots));
+            for backend in adapters() {
+                let of = |traverse: &str| {
+                    let traverse = format!("image.slots.traverse={traverse}");
+                    render(&stage, &[&traverse], &backend, [64, 48]).0
+                };
+                let [plain, leapt] = ["uniform", "skip"].map(of);
+                let light = plain.color.iter().map(|it| it[0]).fold(0.0, f32::max);
+                assert_eq!(light > 0.01, seen, "{slots} on {backend}: {light}");
+                let error = compare_without_flip(&plain, &leapt).unwrap().max.error;
+                assert!(error <= 1e-6, "{slots} on {backend}: {error:e}");
+            }
+        }
+    }
+}
+
+/// Spans alone spare the samples of what is empty.
 #[test]
 fn spans_are_as_short_as_a_tile_lets_them() {
     let camera = "look_at(eye: (-60, 40, 200), target: (0, 0, 0), up: (0, 1, 0), projection: orthographic, height: 24)";

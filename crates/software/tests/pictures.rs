@@ -70,8 +70,8 @@ impl Stand {
             step_world,
         )
         .unwrap();
-        let map =
-            edge.map(|edge| DistanceMap::new(&self.volume.brick_ranges(edge, [1; 2]), edge, &tables));
+        let map = edge
+            .map(|edge| DistanceMap::new(&self.volume.brick_ranges(edge, [1; 2]), edge, &tables));
         draw(&Raycast {
             placement: self.volume.grid(),
             voxels: &self.grid,

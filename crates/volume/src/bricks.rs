@@ -178,13 +178,13 @@ mod tests {
         let volume = Volume::new("v", grid, values.into()).unwrap();
         for (edge, margin) in [(1, [0, 0]), (4, [1, 1]), (4, [1, 2]), (16, [1, 1])] {
             let whole = volume.brick_ranges(edge, margin);
-            let details = volume.brick_details(edge, margin);
+            let details = volume.brick_details(edge, margin[1]);
             let layers = brick_dims(dims, edge)[2];
             let of_layers =
                 (0..layers).flat_map(|z| volume.brick_ranges_of(edge, margin, z..z + 1));
             assert!(of_layers.eq(whole.ranges), "ranges of {edge}");
             let of_layers =
-                (0..layers).flat_map(|z| volume.brick_details_of(edge, margin, z..z + 1));
+                (0..layers).flat_map(|z| volume.brick_details_of(edge, margin[1], z..z + 1));
             assert!(of_layers.eq(details.details), "details of {edge}");
         }
     }

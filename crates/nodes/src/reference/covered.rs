@@ -58,7 +58,10 @@ const COVERED: &[(&str, &[&str])] = &[
         ],
     ),
     // Which segments are looked into changes no picture.
-    ("heed", &["all", "isovalue", "absorbing_ends", "absorbing_centre"]),
+    (
+        "heed",
+        &["all", "isovalue", "absorbing_ends", "absorbing_centre"],
+    ),
     ("walk", &["segments", "pairs"]),
     ("steps", &["table", "computed"]),
     // Leaps are over what is not seen.

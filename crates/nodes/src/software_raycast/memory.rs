@@ -164,7 +164,9 @@ impl Remembered {
         let tables = Arc::new(tables.map_err(|error| Finding::error("table", error.to_string()))?);
         let empty = drawing.leaps.then(|| {
             let (volume, edge) = (&drawing.volume, voxels.edge);
-            let bricks = voxels.bricks.get_or_init(|| volume.brick_ranges(edge, [1; 2]));
+            let bricks = voxels
+                .bricks
+                .get_or_init(|| volume.brick_ranges(edge, [1; 2]));
             Arc::new(DistanceMap::new(bricks, edge, &tables))
         });
         remember(&mut self.looks, (key, Arc::clone(&tables), empty.clone()));
