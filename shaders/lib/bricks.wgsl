@@ -10,6 +10,8 @@ struct Bricks {
     // From the texture's corner to the first brick's: bricks go from voxel centre to voxel centre, so that they are made of as few
     // voxels as can be. What is before the first one belongs to it.
     shift: vec3f,
+    // What counts as far away, in bricks: leaps go so many at once, and looks for farther ones would take longer than that gains.
+    farthest: u32,
     // Texels of a map.
     map_size: vec2f,
 }

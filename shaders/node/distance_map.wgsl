@@ -14,8 +14,6 @@
 
 @group(3) @binding(24) var distance_map_out: texture_storage_2d<r32float, read_write>;
 
-// What is as far or farther: leaps go so many bricks at once, and looks for farther ones would take longer than that gains.
-const DISTANCE_MOST: u32 = 7u;
 const DISTANCE_SEEN: u32 = 0x800u;
 
 @compute @workgroup_size(8, 4, 4)
@@ -24,7 +22,7 @@ fn distance_map_begin(@builtin(global_invocation_id) id: vec3u) {
     if all(brick < bricks.dims) {
         let range = brick_range(brick);
         let kind = select(0u, DISTANCE_SEEN, emptiness_is_seen(range.x, range.y));
-        textureStore(distance_map_out, bricks_texel(brick), vec4f(f32(kind | DISTANCE_MOST)));
+        textureStore(distance_map_out, bricks_texel(brick), vec4f(f32(kind | bricks.farthest)));
     }
 }
 
@@ -60,17 +58,17 @@ fn distance_map_open_z(@builtin(global_invocation_id) id: vec3u) {
 
 @compute @workgroup_size(8, 4, 4)
 fn distance_map_x(@builtin(global_invocation_id) id: vec3u) {
-    distance_map_along(vec3i(id), vec3i(1, 0, 0), 0u, DISTANCE_MOST);
+    distance_map_along(vec3i(id), vec3i(1, 0, 0), 0u, bricks.farthest);
 }
 
 @compute @workgroup_size(8, 4, 4)
 fn distance_map_y(@builtin(global_invocation_id) id: vec3u) {
-    distance_map_along(vec3i(id), vec3i(0, 1, 0), 12u, DISTANCE_MOST);
+    distance_map_along(vec3i(id), vec3i(0, 1, 0), 12u, bricks.farthest);
 }
 
 @compute @workgroup_size(8, 4, 4)
 fn distance_map_z(@builtin(global_invocation_id) id: vec3u) {
-    distance_map_along(vec3i(id), vec3i(0, 0, 1), 0u, DISTANCE_MOST);
+    distance_map_along(vec3i(id), vec3i(0, 0, 1), 0u, bricks.farthest);
 }
 
 // What is kept as not seen, along one more axis: bricks beside the middle of a cube that is not.
@@ -84,7 +82,7 @@ fn distance_map_kept(brick: vec3i, axis: vec3i, shift: u32) {
     let after = distance_map_half(min(brick + axis, bricks.dims - vec3i(1)), shift);
     let is_kept = distance_map_is_middle((word >> shift) & 0xfffu) || distance_map_is_middle(before) || distance_map_is_middle(after);
     let kept = word & (0xfffu << shift);
-    let half = select(DISTANCE_SEEN, 0u, is_kept) | DISTANCE_MOST;
+    let half = select(DISTANCE_SEEN, 0u, is_kept) | bricks.farthest;
     textureStore(distance_map_out, texel, vec4f(f32(kept | (half << (12u - shift)))));
 }
 

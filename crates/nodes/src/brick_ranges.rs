@@ -56,6 +56,10 @@ pub fn size_param() -> ParamSpec {
 const LARGEST_DEFAULT: u32 = 4;
 const MOST_OF_SMALLER: u64 = 1 << 18;
 
+/// What counts as far away in maps of bricks: so many of them, and no less than so many voxels.
+const FARTHEST: u32 = 7;
+const FARTHEST_VOXELS: u32 = 28;
+
 /// The smallest edge, a power of two, of which a grid has few enough bricks.
 pub(crate) fn smallest_edge(dims: [u32; 3]) -> u32 {
     let is_small = |edge: &u32| {
@@ -146,6 +150,11 @@ pub(crate) fn uniform(node: &NodeContext<'_>) -> Result<Uniform, Finding> {
             vec3(DVec3::from_array(voxels.map(f64::from)) / f64::from(size)),
         ),
         ("shift", vec3(DVec3::splat(shift))),
+        // As far in voxels for small bricks as for usual ones: tiles of pixels are as wide.
+        (
+            "farthest",
+            UniformValue::U32((FARTHEST_VOXELS / size).max(FARTHEST)),
+        ),
         (
             "map_size",
             UniformValue::Vec2([map[0] as f32, map[1] as f32]),

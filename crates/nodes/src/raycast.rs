@@ -231,7 +231,7 @@ impl NodeKind for Raycast {
             pixels = "active_blocks";
         }
         fixed_slots.insert("pixels".to_owned(), pixels.to_owned());
-        let heed = heed::heed(node, looks_at(node).as_deref());
+        let heed = heed::heed(node, looks_at(node).is_some());
         fixed_slots.insert("heed".to_owned(), heed);
         if walk::reads_beside_gradients(node, &walk) {
             fixed_slots.insert("volumes".to_owned(), "beside_gradients".to_owned());

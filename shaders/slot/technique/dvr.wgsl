@@ -1,5 +1,6 @@
 // Direct volume rendering: emission and absorption, composited from front to back (Max 1995).
 // @skips transfer
+// @heeds absorbing
 // @walks pairs
 #import "lib/compositing.wgsl"
 #import slot "classify"

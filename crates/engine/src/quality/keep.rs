@@ -16,7 +16,7 @@ use crate::scene::Scene;
 use crate::truth::prune;
 
 /// Changes with how choices are made and with what methods cost, so that older ones are made again.
-const REVISION: u32 = 6;
+const REVISION: u32 = 7;
 
 /// Most bytes of all choices.
 const MAX_KEPT_BYTES: u64 = 4 << 20;

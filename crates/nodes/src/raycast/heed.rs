@@ -10,34 +10,40 @@ use crate::{distance_map, placement, segmentation, transfer_table};
 /// Intervals that a test in straight line looks through (`AbsorbingFew` in `lib/absorbing_few.wgsl`).
 const FEW: usize = 4;
 
-/// The choice of the slot `heed`. `walk` is that of the slot `walk`, `look` what the walk looks at to leap.
+/// What a technique's file says that sees only what the transfer function makes absorb.
+const ABSORBING: &str = "absorbing";
+
+/// The choice of the slot `heed`; `leaps` is whether the walk leaps over what is not seen.
 ///
 /// Of the trilinear field it is known how much it changes within a segment, so that only those are looked into that may show
-/// something: what the technique's file says holds for it. Whoever skips what is not seen lights no segments that
-/// absorb nothing either; light costs several times as much as a look at a segment.
-pub(super) fn heed(node: &NodeContext<'_>, look: Option<&str>) -> String {
+/// something: what the technique's file says holds for it. Whoever skips what is not seen lights no segments that absorb
+/// nothing either: light costs several times as much as a look at a segment.
+pub(super) fn heed(node: &NodeContext<'_>, leaps: bool) -> String {
     // The estimate of the error goes along with every segment.
     if node.is_wanted("error") || placement::is_in_bricks(node) {
         return "all".to_owned();
     }
-    let heeds = node.slot("heed");
-    if heeds != "all" {
-        let is_trilinear = node.slot("reconstruct") == "trilinear";
-        return if is_trilinear { heeds } else { "all" }.to_owned();
+    let heeds = match node.slot("heed") {
+        ABSORBING if leaps => absorbing(node),
+        ABSORBING => "all",
+        heeds if node.slot("reconstruct") == "trilinear" => heeds,
+        _ => "all",
+    };
+    heeds.to_owned()
+}
+
+/// Where a segment that absorbs shows that it does.
+fn absorbing(node: &NodeContext<'_>) -> &'static str {
+    // Labels may have transfer functions of their own.
+    if node.slot("light") == "unlit" || segmentation::has_labels(node) {
+        return "all";
     }
-    let lights_what_absorbs = look.is_some()
-        && node.slot("technique") == "dvr"
-        && node.slot("emptiness") == "transfer"
-        && node.slot("light") != "unlit"
-        // Labels may have transfer functions of their own.
-        && !segmentation::has_labels(node);
-    let seen = match node.slot("classify") {
+    match node.slot("classify") {
         "post" => "absorbing_centre",
         // Their scalar runs from one end to the other; the rest look in between.
         "preintegrated_2d" | "preintegrated_3d" | "integral_1d" => "absorbing_ends",
         _ => "all",
-    };
-    if lights_what_absorbs { seen } else { "all" }.to_owned()
+    }
 }
 
 /// The members of the uniform `absorbing_few` (see `lib/absorbing_few.wgsl`).

@@ -60,7 +60,13 @@ const COVERED: &[(&str, &[&str])] = &[
     // Which segments are looked into changes no picture.
     (
         "heed",
-        &["all", "isovalue", "absorbing_ends", "absorbing_centre"],
+        &[
+            "all",
+            "isovalue",
+            "absorbing",
+            "absorbing_ends",
+            "absorbing_centre",
+        ],
     ),
     ("walk", &["segments", "pairs"]),
     ("steps", &["table", "computed"]),

@@ -21,7 +21,7 @@ fn a_shader_is_linked_with_its_imports_and_their_names() {
     let run = scratch.run(&["link", file]);
     assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""), "{run:?}");
     for line in [
-        "// from shaders/slot/technique/dvr.wgsl:9",
+        "// from shaders/slot/technique/dvr.wgsl:10",
         "// from shaders/lib/ray.wgsl:1",
         "// from shaders/slot/light/unlit.wgsl:1",
     ] {

@@ -170,7 +170,7 @@ error[wgsl-type]: invalid field accessor `dept` (invalid accessor)
   |                            ^^^^
   |
   = note: imported by shaders/mine/b.wgsl:3, imported by shaders/mine/a.wgsl:2, \
-imported by shaders/slot/technique/dvr.wgsl:8, imported by shaders/node/raycast.wgsl:9
+imported by shaders/slot/technique/dvr.wgsl:9, imported by shaders/node/raycast.wgsl:10
   = help: did you mean `depth`?
 ";
     assert_eq!(run.stderr, expected);
@@ -200,8 +200,8 @@ imported by shaders/slot/technique/dvr.wgsl:8, imported by shaders/node/raycast.
         [
             (B, 3, "imported here"),
             (A, 2, "imported here"),
-            ("shaders/slot/technique/dvr.wgsl", 8, "imported here"),
-            ("shaders/node/raycast.wgsl", 9, "imported here"),
+            ("shaders/slot/technique/dvr.wgsl", 9, "imported here"),
+            ("shaders/node/raycast.wgsl", 10, "imported here"),
         ]
     );
     let keys: Vec<_> = json[0]
