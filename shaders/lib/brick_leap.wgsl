@@ -6,6 +6,9 @@
 // Whatever bricks say, a look comes to its end.
 const BRICK_LEAP_TURNS: u32 = 8192u;
 
+// Of half a voxel.
+const BRICK_LEAP_SLACK: f32 = 0.01;
+
 // The place of a segment's start, counted in bricks.
 fn brick_leap_place(ray: Ray, index: u32) -> vec3f {
     return bricks_place(ray_position(ray, f32(index) * step_world()));
@@ -15,7 +18,12 @@ fn brick_leap_place(ray: Ray, index: u32) -> vec3f {
 fn brick_leap_through(ray: Ray, index: u32, place: vec3f, low: vec3i, high: vec3i) -> u32 {
     let given = ray.slope * bricks.per_texture;
     let slope = select(given, vec3f(1.0e-20), abs(given) < vec3f(1.0e-20));
-    let exits = max((vec3f(low) - place) / slope, (vec3f(high) - place) / slope);
+    // The outer bricks go on outside of the volume. Of others a little is left at the faces: what lies behind is made of other
+    // voxels, and places are rounded.
+    let slack = BRICK_LEAP_SLACK * bricks.shift;
+    let first = select(vec3f(low) + slack, vec3f(-1.0), low <= vec3i(0));
+    let last = select(vec3f(high) - slack, vec3f(bricks.dims + 1), high >= bricks.dims);
+    let exits = max((first - place) / slope, (last - place) / slope);
     let exit = max(min(min(exits.x, exits.y), exits.z), 0.0);
     // A box may reach far beyond the ray's end.
     let end = min(f32(index) * step_world() + exit, ray.far - ray.near);

@@ -114,6 +114,46 @@ fn bricks_end_where_scalars_are_made_of_other_voxels() {
     }
 }
 
+/// A surface that lies in the very plane where a brick ends, up to rounding: steps end in that plane, and leaps before it.
+#[test]
+fn surfaces_where_bricks_end_have_no_holes() {
+    let level = 0.5_f32;
+    let below = f32::from_bits(level.to_bits() - 1);
+    for (at, spacing) in [(4, 0.7), (12, 0.3), (28, 1.1), (44, 0.9), (60, 0.013)] {
+        let field = |_: u32, _: u32, z: u32| match z.cmp(&at) {
+            std::cmp::Ordering::Less => 0.0,
+            std::cmp::Ordering::Equal => below,
+            std::cmp::Ordering::Greater => 1.0,
+        };
+        let graph = format!(
+            r#"(
+    sources: {{ "v": volume(path: "v_6x5x65_float32.raw", node_centred: true, spacing: ({spacing}, {spacing}, {spacing})) }},
+    camera: look_at(eye: (0, 0, {eye}), target: (0, 0, 0), up: (0, 1, 0), projection: orthographic, height: {height}),
+    nodes: {{
+        "box":   (kind: "proxy_box", in: {{ "volume": "v" }}),
+        "image": (kind: "raycast", in: {{ "volume": "v", "rays": "box" }}, slots: {{ "technique": "isosurface" }},
+                  params: {{ "step": 1, "isovalue": 0.5, "refinement": "linear" }}),
+    }},
+    outputs: {{ "color": "image.color" }},
+)"#,
+            eye = -97.0 * spacing,
+            height = 3.0 * spacing,
+        );
+        let stage = Stage::new()
+            .with_floats("v", [6, 5, 65], field)
+            .with("graph.ron", &graph);
+        for backend in adapters() {
+            let of = |traverse: &str| {
+                let traverse = format!("image.slots.traverse={traverse}");
+                render(&stage, &[&traverse], &backend, [96, 64]).0
+            };
+            let [plain, leapt] = ["uniform", "skip"].map(of);
+            let error = compare_without_flip(&plain, &leapt).unwrap().max.error;
+            assert!(error <= 1e-6, "{at} of {spacing} on {backend}: {error:e}");
+        }
+    }
+}
+
 /// Segments that absorb nothing are not lit, whatever the quadrature and however many intervals absorb; light that is itself a
 /// walk, and nothing to see at all.
 #[test]

@@ -228,10 +228,14 @@ impl NodeKind for Raycast {
         let mut pixels = "box";
         if walk::goes_by_spans(node, &walk, &fixed_slots) {
             fixed_slots.insert("leap".to_owned(), "spans".to_owned());
-            pixels = "active_blocks";
+            // Spans of the user's own come without blocks, or with those of another scout.
+            let is_by_hand = ["spans", "active_blocks"].map(|port| node.is_connected(port));
+            if is_by_hand == [false; 2] {
+                pixels = "active_blocks";
+            }
         }
         fixed_slots.insert("pixels".to_owned(), pixels.to_owned());
-        let heed = heed::heed(node, looks_at(node).is_some());
+        let heed = heed::heed(node, &walk, looks_at(node).is_some());
         fixed_slots.insert("heed".to_owned(), heed);
         if walk::reads_beside_gradients(node, &walk) {
             fixed_slots.insert("volumes".to_owned(), "beside_gradients".to_owned());

@@ -248,11 +248,11 @@ pub(super) fn steps(node: &NodeContext<'_>, walk: &str) -> &'static str {
     };
     let entries = node.writer("transfer_table");
     let steps = node.writer("step_table");
-    let is_of_step = |writer: &NodeContext<'_>| {
-        writer.kind_name() == StepTable.name() && step_of(writer) == step_of(node)
+    let is_table_of_step = |writer: &NodeContext<'_>| {
+        writer.kind_name() == StepTable.name() && is_of_step(writer, node)
     };
     let is_of_ours = entries.is_none_or(|entries| is_ours(&entries))
-        && steps.is_none_or(|steps| is_of_step(&steps) && is_ours(&steps));
+        && steps.is_none_or(|steps| is_table_of_step(&steps) && is_ours(&steps));
     if walk == "pairs" && is_of_ours {
         "table"
     } else {
@@ -263,19 +263,23 @@ pub(super) fn steps(node: &NodeContext<'_>, walk: &str) -> &'static str {
 /// Whether the table of segments, if there is one, is made for the walk's step: that of a user's own may not be.
 fn has_table_of_step(node: &NodeContext<'_>) -> bool {
     node.writer("preintegration_table").is_none_or(|writer| {
-        writer.kind_name() == Preintegration::Whole.name() && step_of(&writer) == step_of(node)
+        writer.kind_name() == Preintegration::Whole.name() && is_of_step(&writer, node)
     })
 }
 
-/// The step that a node was given, which its shader declares; as bits, for steps are compared.
-fn step_of(node: &NodeContext<'_>) -> u64 {
-    let step = match node.param("step").or_else(|| node.given("step")) {
+/// The step that a node was given, which its shader declares.
+pub(super) fn step_of(node: &NodeContext<'_>) -> f64 {
+    match node.param("step").or_else(|| node.given("step")) {
         Some(ParamValue::Float(step)) => *step,
         #[expect(clippy::cast_precision_loss, reason = "steps are small whole numbers")]
         Some(ParamValue::Int(step)) => *step as f64,
         _ => 1.0,
-    };
-    step.to_bits()
+    }
+}
+
+/// Whether two nodes walk by one step.
+fn is_of_step(one: &NodeContext<'_>, other: &NodeContext<'_>) -> bool {
+    step_of(one).to_bits() == step_of(other).to_bits()
 }
 
 /// The members of the uniform `steepness` (see `lib/steepness.wgsl`).
