@@ -1,4 +1,5 @@
-// What the walk does next: where it goes on, and how many segments it then takes before it looks again.
+// What the walk does next: where it goes on, and how many segments it then takes before it looks again. `leap_from` is told how
+// often the part has been looked at before.
 
 struct Leap {
     // The number of the next segment. A leap goes to an even one, so that segments keep their partners.

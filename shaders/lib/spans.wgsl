@@ -25,7 +25,8 @@ fn spans_pixels() -> vec2f {
 
 // The tile of a place in the picture.
 fn spans_tile(pixel: vec2f) -> vec2f {
-    return min(floor(pixel / spans_pixels()), spans_tiles() - 1.0);
+    // A factor that is the same for all pixels: a division is not.
+    return min(floor(pixel * (max(spans_tiles(), vec2f(1.0)) / lens.extent)), spans_tiles() - 1.0);
 }
 
 // A texel of a tile.

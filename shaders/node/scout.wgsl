@@ -119,15 +119,16 @@ fn scout_compute(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
-// The list of blocks of pixels that have a span, in any order.
+// The list of blocks of pixels that have a span. Neighbours in the picture are near each other in it: see the same of the volume.
 @compute @workgroup_size(1)
 fn scout_reset() {
     atomicStore(&active_blocks_out.count, 0u);
 }
 
 @compute @workgroup_size(8, 8, 1)
-fn scout_list(@builtin(global_invocation_id) id: vec3u) {
-    let first = vec2f(ACTIVE_BLOCKS_SIDE * id.xy);
+fn scout_list(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) lane: u32) {
+    let block = 8u * group.xy + active_blocks_turn(lane);
+    let first = vec2f(ACTIVE_BLOCKS_SIDE * block);
     if any(first >= lens.extent) {
         return;
     }
@@ -142,7 +143,7 @@ fn scout_list(@builtin(global_invocation_id) id: vec3u) {
     }
     if is_active {
         let number = atomicAdd(&active_blocks_out.count, 1u);
-        active_blocks_out.blocks[number] = active_blocks_packed(id.xy);
+        active_blocks_out.blocks[number] = active_blocks_packed(block);
     }
 }
 

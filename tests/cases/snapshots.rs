@@ -19,7 +19,9 @@ fn names() -> Vec<String> {
 
 #[test]
 fn the_plan_of_each_ready_graph_is_as_it_is_committed() {
-    let stage = Stage::new().with("stand_in_8x8x8_uint8.raw", [128; 512]);
+    // All that a byte may be: something may be seen, and something may not.
+    let bytes: Vec<u8> = (0..=255).flat_map(|byte| [byte; 2]).collect();
+    let stage = Stage::new().with("stand_in_8x8x8_uint8.raw", bytes);
     let stand_in = stage.path().join("stand_in_8x8x8_uint8.raw");
     let names = names();
     for name in &names {

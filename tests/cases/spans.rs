@@ -1,5 +1,8 @@
 //! Spans that one ray finds for a tile of pixels leave out nothing of what any ray of the tile sees.
 
+use std::collections::BTreeSet;
+
+use volgraph::{Change, Outcome};
 use volgraph_measure::compare_without_flip;
 use volgraph_tests::{Stage, adapters, load, render, start};
 
@@ -214,5 +217,38 @@ fn spans_are_as_short_as_a_tile_lets_them() {
         };
         let [plain, leapt] = ["uniform", "skip"].map(samples);
         assert!(plain > 1.5 * leapt, "{backend}: {plain} to {leapt}");
+    }
+}
+
+/// Where all scalars absorb there is nothing to leap over, and nothing looks for it; until an edit makes some of them clear.
+#[test]
+fn what_absorbs_everywhere_is_walked_plainly() {
+    let open = "(points: [(at: 0.1, color: (1, 0.5, 0), opacity: 0), (at: 1, color: (0, 0.5, 1), opacity: 0.4)])";
+    let full = open.replace("opacity: 0)", "opacity: 0.01)");
+    let stage = sheets().with("t.ron", &full);
+    let graph = stage.path().join("graph.ron");
+    for backend in adapters() {
+        let session = |traverse: &str| {
+            let set = format!("image.slots.traverse={traverse}");
+            start(load(&graph, &[&set]).unwrap(), &backend, [48, 32]).unwrap()
+        };
+        stage.write("t.ron", &full);
+        let mut skipping = session("skip");
+        for (text, has_scout) in [(full.as_str(), false), (open, true), (full.as_str(), false)] {
+            stage.write("t.ron", text);
+            let changed = Change::Files(BTreeSet::from([stage.path().join("t.ron")]));
+            let outcome = skipping.apply(&changed);
+            assert!(
+                matches!(outcome, Ok(Outcome::Drawn(_) | Outcome::Unchanged)),
+                "{backend}"
+            );
+            let nodes = &skipping.plan().graph.nodes;
+            let scouts = nodes.iter().filter(|node| node.name.ends_with(".scout"));
+            assert_eq!(scouts.count(), usize::from(has_scout), "{backend}");
+            let plain = session("uniform").render().unwrap().0;
+            let leapt = skipping.render().unwrap().0;
+            let error = compare_without_flip(&plain, &leapt).unwrap().max.error;
+            assert!(error <= 1e-6, "{text} on {backend}: {error:e}");
+        }
     }
 }

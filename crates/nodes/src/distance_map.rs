@@ -106,6 +106,17 @@ pub(crate) fn absorbing(node: &NodeContext<'_>) -> Result<Vec<(f64, f64)>, Findi
     Ok(spans)
 }
 
+/// Whether all scalars of a node's volume absorb: then there is nothing to leap over.
+pub(crate) fn absorbs_everywhere(node: &NodeContext<'_>) -> bool {
+    let everywhere = || {
+        let (low, high) = placement::data_range(placement::placed(node, "volume")?);
+        let reference = placement::encoding(node)?.reference;
+        let covers = |&(from, to): &(f64, f64)| from < low - reference && high - reference < to;
+        Ok::<_, Finding>(absorbing(node)?.iter().any(covers))
+    };
+    everywhere().unwrap_or(false)
+}
+
 /// Of more than so many rising intervals, those nearest to each other become one.
 pub(crate) fn join_nearest(spans: &mut Vec<(f64, f64)>, most: usize) {
     while spans.len() > most.max(1) {

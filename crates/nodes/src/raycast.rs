@@ -30,9 +30,9 @@ use crate::background::Background;
 use crate::placement::{f32_value, vec3};
 use crate::source::segments::SegmentsSource;
 use crate::{
-    brick_pool, brick_proxy, brick_ranges, clip_volume, light_volume, lit_preintegration,
-    placement, preintegration, preintegration_3d, proxy_box, segmentation, stride_map,
-    transfer_table, volume_texture,
+    brick_pool, brick_proxy, brick_ranges, clip_volume, distance_map, light_volume,
+    lit_preintegration, placement, preintegration, preintegration_3d, proxy_box, segmentation,
+    stride_map, transfer_table, volume_texture,
 };
 
 /// The node kind `raycast`.
@@ -120,6 +120,7 @@ fn looks_at(node: &NodeContext<'_>) -> Option<String> {
         {
             "stride_map"
         }
+        "transfer" if distance_map::absorbs_everywhere(node) => return None,
         _ => "distance_map",
     };
     Some(look.to_owned())

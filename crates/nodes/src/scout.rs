@@ -1,7 +1,7 @@
 //! `scout`: which parts of rays may see anything, for all rays of a tile of pixels together.
 //!
-//! One ray through a tile's middle looks at the bricks of the distance map ahead. The walk then goes from span to span; only
-//! where tiles are about as wide as bricks do its rays look for themselves, within spans. It follows the camera. Where rays
+//! One ray through a tile's middle looks at the bricks of the distance map ahead. The walk then goes from span to span, and
+//! no ray looks for itself. It follows the camera. Where rays
 //! run in compute shaders they go over the blocks of pixels that have a span, and over no others.
 
 use std::collections::BTreeSet;

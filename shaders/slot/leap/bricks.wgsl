@@ -4,7 +4,7 @@
 #import "lib/brick_leap.wgsl"
 #import slot "look"
 
-fn leap_from(ray: Ray, index: u32) -> Leap {
+fn leap_from(ray: Ray, index: u32, look: u32) -> Leap {
     let length = ray.far - ray.near;
     var at = index;
     var end = index;

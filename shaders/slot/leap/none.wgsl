@@ -2,6 +2,6 @@
 #import "lib/leap.wgsl"
 #import "lib/ray.wgsl"
 
-fn leap_from(ray: Ray, index: u32) -> Leap {
+fn leap_from(ray: Ray, index: u32, look: u32) -> Leap {
     return Leap(index, 65535u, 1u);
 }

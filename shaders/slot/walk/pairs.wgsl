@@ -36,7 +36,7 @@ fn walk_part(state: ptr<function, TechniqueState>, ray: ptr<function, Ray>, erro
     let whole = min(u32(length / step), WALK_MAX_SEGMENTS);
     var samples = 1u;
     var is_done = false;
-    var leap = leap_from(*ray, 0u);
+    var leap = leap_from(*ray, 0u, 0u);
     var index = leap.index;
     var front = sample_along(*ray, min(f32(index) * step, length));
     // What lies ahead is looked at behind what is walked: so no turn finds out that there is nothing.
@@ -69,8 +69,9 @@ fn walk_part(state: ptr<function, TechniqueState>, ray: ptr<function, Ray>, erro
                 samples += 2u;
             }
         }
-        leap = leap_from(*ray, index);
-        if leap.index != index {
+        leap = leap_from(*ray, index, looks + 1u);
+        // What is left of a part belongs to the walk that comes to it.
+        if last < whole && leap.index != index {
             index = leap.index;
             front = sample_along(*ray, min(f32(index) * step, length));
             samples++;

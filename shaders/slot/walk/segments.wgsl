@@ -23,7 +23,7 @@ fn walk_part(state: ptr<function, TechniqueState>, ray: ptr<function, Ray>, erro
         var is_heeded = false;
         // A bent ray is another ray: its parts are looked for anew.
         for (; looks < WALK_MAX_SEGMENTS && !is_done && !is_heeded && (*ray).bends == bends; ) {
-            let leap = leap_from(*ray, index);
+            let leap = leap_from(*ray, index, looks);
             if looks == 0u || leap.index != index {
                 let before = start;
                 index = leap.index;
