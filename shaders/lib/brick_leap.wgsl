@@ -14,20 +14,21 @@ fn brick_leap_place(ray: Ray, index: u32) -> vec3f {
     return bricks_place(ray_position(ray, f32(index) * step_world()));
 }
 
-// The number of the first segment from `index` on that does not end within a box of bricks, which it starts in.
+// The number of the first segment from `index` on that does not lie within a box of bricks, in which it is thought to start.
 fn brick_leap_through(ray: Ray, index: u32, place: vec3f, low: vec3i, high: vec3i) -> u32 {
     let given = ray.slope * bricks.per_texture;
     let slope = select(given, vec3f(1.0e-20), abs(given) < vec3f(1.0e-20));
-    // The outer bricks go on outside of the volume. Of others a little is left at the faces: what lies behind is made of other
+    // The outer bricks go on outside of the volume. Of others a little is left at the faces: what lies beyond is made of other
     // voxels, and places are rounded.
     let slack = BRICK_LEAP_SLACK * bricks.shift;
     let first = select(vec3f(low) + slack, vec3f(-1.0), low <= vec3i(0));
     let last = select(vec3f(high) - slack, vec3f(bricks.dims + 1), high >= bricks.dims);
+    let is_inside = all(place >= first) && all(place <= last);
     let exits = max((first - place) / slope, (last - place) / slope);
     let exit = max(min(min(exits.x, exits.y), exits.z), 0.0);
     // A box may reach far beyond the ray's end.
     let end = min(f32(index) * step_world() + exit, ray.far - ray.near);
-    return max(u32(end / step_world()), index);
+    return select(index, max(u32(end / step_world()), index), is_inside);
 }
 
 // To go on at a segment from `index` on, and to walk to `end` and the segment there, but no less than so many: an even

@@ -18,6 +18,11 @@ fn spans_tiles() -> vec2f {
     return floor(spans_size() / f32(SPANS_SIDE));
 }
 
+// Whether there are any: rays of smaller pictures have to find out for themselves.
+fn spans_are_known() -> bool {
+    return all(spans_tiles() >= vec2f(1.0));
+}
+
 // Pixels along the sides of a tile.
 fn spans_pixels() -> vec2f {
     return lens.extent / max(spans_tiles(), vec2f(1.0));

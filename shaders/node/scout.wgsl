@@ -132,10 +132,10 @@ fn scout_list(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
     if any(first >= lens.extent) {
         return;
     }
-    // The tiles of its pixels; where there are none, rays have to find out for themselves.
+    // The tiles of its pixels.
     let last = min(first + f32(ACTIVE_BLOCKS_SIDE), lens.extent) - 0.5;
     let end = spans_tile(last);
-    var is_active = any(spans_tiles() < vec2f(1.0));
+    var is_active = !spans_are_known();
     for (var y = spans_tile(first + 0.5).y; y <= end.y && !is_active; y += 1.0) {
         for (var x = spans_tile(first + 0.5).x; x <= end.x && !is_active; x += 1.0) {
             is_active = textureLoad(spans, vec2i(spans_texel(vec2f(x, y), 0u)), 0).y >= 0.0;

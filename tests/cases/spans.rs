@@ -117,7 +117,8 @@ fn bricks_end_where_scalars_are_made_of_other_voxels() {
     }
 }
 
-/// A surface that lies in the very plane where a brick ends, up to rounding: steps end in that plane, and leaps before it.
+/// Surfaces that lie in the very plane where a brick ends, up to rounding: steps end in that plane, and leaps before it. From either
+/// side: into the solid, and out of it.
 #[test]
 fn surfaces_where_bricks_end_have_no_holes() {
     let level = 0.5_f32;
@@ -128,31 +129,51 @@ fn surfaces_where_bricks_end_have_no_holes() {
             std::cmp::Ordering::Equal => below,
             std::cmp::Ordering::Greater => 1.0,
         };
-        let graph = format!(
-            r#"(
+        for (technique, params, side) in [
+            ("isosurface", r#""isovalue": 0.5"#, -1.0),
+            (
+                "isosurfaces_translucent",
+                r#""surfaces": 1, "isovalue_1": 0.5"#,
+                -1.0,
+            ),
+            (
+                "isosurfaces_translucent",
+                r#""surfaces": 1, "isovalue_1": 0.5"#,
+                1.0,
+            ),
+        ] {
+            let graph = format!(
+                r#"(
     sources: {{ "v": volume(path: "v_6x5x65_float32.raw", node_centred: true, spacing: ({spacing}, {spacing}, {spacing})) }},
     camera: look_at(eye: (0, 0, {eye}), target: (0, 0, 0), up: (0, 1, 0), projection: orthographic, height: {height}),
     nodes: {{
         "box":   (kind: "proxy_box", in: {{ "volume": "v" }}),
-        "image": (kind: "raycast", in: {{ "volume": "v", "rays": "box" }}, slots: {{ "technique": "isosurface" }},
-                  params: {{ "step": 1, "isovalue": 0.5, "refinement": "linear" }}),
+        "image": (kind: "raycast", in: {{ "volume": "v", "rays": "box" }}, slots: {{ "technique": "{technique}" }},
+                  params: {{ "step": 1, "refinement": "linear", {params} }}),
     }},
     outputs: {{ "color": "image.color" }},
 )"#,
-            eye = -97.0 * spacing,
-            height = 3.0 * spacing,
-        );
-        let stage = Stage::new()
-            .with_floats("v", [6, 5, 65], field)
-            .with("graph.ron", &graph);
-        for backend in adapters() {
-            let of = |traverse: &str| {
-                let traverse = format!("image.slots.traverse={traverse}");
-                render(&stage, &[&traverse], &backend, [96, 64]).0
-            };
-            let [plain, leapt] = ["uniform", "skip"].map(of);
-            let error = compare_without_flip(&plain, &leapt).unwrap().max.error;
-            assert!(error <= 1e-6, "{at} of {spacing} on {backend}: {error:e}");
+                eye = 97.0 * side * spacing,
+                height = 3.0 * spacing,
+            );
+            let stage = Stage::new()
+                .with_floats("v", [6, 5, 65], field)
+                .with("graph.ron", &graph);
+            for backend in adapters() {
+                for brick in [3, 4] {
+                    let brick = format!("image.brick_size={brick}");
+                    let of = |traverse: &str| {
+                        let traverse = format!("image.slots.traverse={traverse}");
+                        render(&stage, &[&traverse, &brick], &backend, [96, 64]).0
+                    };
+                    let [plain, leapt] = ["uniform", "skip"].map(of);
+                    let error = compare_without_flip(&plain, &leapt).unwrap().max.error;
+                    assert!(
+                        error <= 1e-6,
+                        "{technique} {side} at {at} of {spacing} on {backend}, {brick}: {error:e}"
+                    );
+                }
+            }
         }
     }
 }
