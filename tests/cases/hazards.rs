@@ -4,7 +4,8 @@
 use std::collections::BTreeSet;
 
 use volgraph::{Change, Drawn, FrameReport, Outcome, Picture, Refused, Session};
-use volgraph_tests::{Stage, adapters, graph};
+use volgraph_tests::{Stage, adapters, gpu_alone, graph};
+use wgpu_types::{BufferDescriptor, BufferUsages};
 
 /// The body of a technique whose colour is `color`, an expression over the segment's `x`, after the statements `before`.
 fn technique(before: &str, color: &str) -> String {
@@ -258,5 +259,27 @@ fn a_lost_device() {
         assert_eq!(refused.findings.sorted()[0].code, "wgsl-syntax");
         let (picture, _) = session.render().unwrap();
         assert!(picture.color == new.picture.color, "{backend}");
+    }
+}
+
+/// Nobody else asks a device that draws nothing any more: the loss must be known when `destroy` returns.
+#[test]
+fn a_device_lost_at_work_is_known_at_once() {
+    for backend in adapters() {
+        let gpu = gpu_alone(&backend);
+        let shared = gpu.shared();
+        let buffer = shared.device.create_buffer(&BufferDescriptor {
+            label: None,
+            size: 128 << 20,
+            usage: BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let mut work = shared.device.create_command_encoder(&Default::default());
+        for _ in 0..16 {
+            work.clear_buffer(&buffer, 0, None);
+        }
+        shared.queue.submit([work.finish()]);
+        gpu.destroy();
+        assert!(gpu.lost().is_some(), "{backend}");
     }
 }

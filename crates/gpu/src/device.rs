@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use naga::valid::Capabilities;
 use volgraph_graph::{Limits, ResourceKind};
@@ -139,11 +140,18 @@ impl Gpu {
         locked(&self.faults.lost).clone()
     }
 
-    /// Destroys the device, as a crash of its driver would.
+    /// Destroys the device, as a crash of its driver would. What was submitted before ends first, and no more than a few
+    /// seconds are waited for it.
     pub fn destroy(&self) {
         self.device.destroy();
-        // The callback that takes note of it is called from here at the latest.
-        let _ = self.device.poll(wgpu::PollType::Poll);
+        // That the device is lost is told by a poll that finds nothing submitted, and another thread may submit until then.
+        let start = Instant::now();
+        while self.lost().is_none() && start.elapsed() < LONGEST_END {
+            let _ = self.device.poll(wgpu::PollType::Wait {
+                submission_index: None,
+                timeout: Some(LONGEST_END),
+            });
+        }
     }
 
     /// What plans for this device may ask for.
@@ -280,6 +288,9 @@ impl Gpu {
         }
     }
 }
+
+/// How long the end of what is submitted is waited for when a device is destroyed.
+const LONGEST_END: Duration = Duration::from_secs(5);
 
 /// What is smaller is asked for without a look at the machine's memory, which takes time.
 const DOUBTFUL_BYTES: u64 = 64 << 20;
