@@ -38,7 +38,9 @@ fn pairs_are_what_segments_are() {
                 } else {
                     "image.early_termination=0"
                 };
-                let sets = [step, exact];
+                // Only where both are read at once would walks in pairs choose others.
+                let gradients = "image.slots.gradient_storage=rgba16f";
+                let sets = [step, exact, gradients];
                 let error = largest(name, &backend, &sets);
                 assert!(error <= 1e-5, "{name} on {backend}, {step}: {error:e}");
             }
@@ -141,4 +143,55 @@ fn scalars_are_read_beside_gradients_only_where_they_are() {
         [sets, other].map(|sets| volgraph_tests::render(&stage, &sets, backend, SIZE).0);
     let error = compare_without_flip(&ours, &theirs).unwrap().max.error;
     assert!(error <= 1e-6, "{error:e}");
+}
+
+/// Where a walk in pairs asks for both at the same places, on a device that need not convert half floats: any other graph has
+/// no use for twice the memory.
+#[test]
+fn gradients_are_stored_in_single_floats_where_that_pays() {
+    let lit = ["image.slots.light=phong", "image.slots.classify=post"];
+    let stored = |backend: &str, sets: &[&str], most: Option<u64>| {
+        let scene = load(&graph_file("comparison"), &[&lit[..], sets].concat()).unwrap();
+        let mut options = volgraph_tests::options(&[], backend, SIZE);
+        options.max_resource_bytes = most;
+        let gpu = volgraph_tests::gpu_alone(backend);
+        let limits = options.limits(&gpu);
+        let plan = scene
+            .plan(
+                &scene.shader_library(gpu.capabilities()),
+                &limits,
+                SIZE,
+                false,
+            )
+            .unwrap_or_else(|findings| panic!("{sets:?}: {findings}"));
+        let node = plan.graph.nodes.iter().find(|node| node.name == "image");
+        (
+            node.unwrap().slots["gradient_storage"].choice.clone(),
+            limits.float32_filterable,
+        )
+    };
+    let mut chosen = 0;
+    for backend in adapters() {
+        // Drivers on the processor alone are known to gain.
+        let (choice, is_filterable) = stored(&backend, &[], None);
+        let faster = if is_filterable { "rgba32f" } else { "rgba16f" };
+        assert_eq!(choice, faster, "{backend}");
+        chosen += usize::from(is_filterable);
+        let others = [
+            "image.slots.classify=preintegrated_2d",
+            "image.slots.light=unlit",
+            "image.slots.walk=segments",
+            "image.slots.gradient_storage=rgba16f",
+        ];
+        for other in others {
+            assert_eq!(
+                stored(&backend, &[other], None).0,
+                "rgba16f",
+                "{backend}, {other}"
+            );
+        }
+        // 128³ texels of 16 bytes are more than the user's own limit, those of 8 bytes are not.
+        assert_eq!(stored(&backend, &[], Some(20 << 20)).0, "rgba16f");
+    }
+    assert!(chosen >= 1, "no adapter filters single floats");
 }

@@ -165,6 +165,7 @@ impl Gpu {
             max_texture_3d: u64::from(limits.max_texture_dimension_3d),
             max_buffer_bytes: limits.max_buffer_size,
             float32_filterable: features.contains(Features::FLOAT32_FILTERABLE),
+            float32_fast: self.summary.class == "software",
             float32_blendable: features.contains(Features::FLOAT32_BLENDABLE),
             storage_3d: self.summary.backend != "gl",
             shared_samplers: self.summary.backend != "gl",

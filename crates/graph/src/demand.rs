@@ -54,6 +54,11 @@ pub fn demand(
                 slot.choice = choice;
             }
         }
+        for (slot, choice) in open_choices(kind.as_ref(), &graph, id, limits) {
+            if let Some(slot) = graph.nodes[id].slots.get_mut(slot) {
+                choice.clone_into(&mut slot.choice);
+            }
+        }
         let Some(spec) = kind.program(&NodeContext::new(&graph, id, limits)) else {
             if call::settle(&mut graph, id, &mut made) {
                 continue;
@@ -93,6 +98,22 @@ pub fn demand(
         is_done.resize(graph.nodes.len(), false);
     }
     findings.into_result(graph)
+}
+
+/// What a kind chooses for slots that the graph leaves open.
+fn open_choices(
+    kind: &dyn NodeKind,
+    graph: &Graph,
+    id: NodeId,
+    limits: &Limits,
+) -> Vec<(&'static str, &'static str)> {
+    let node = NodeContext::new(graph, id, limits);
+    let open = kind
+        .slots()
+        .iter()
+        .filter(|slot| !node.is_slot_given(slot.name));
+    open.filter_map(|slot| Some((slot.name, kind.default_slot(slot.name, &node)?)))
+        .collect()
 }
 
 /// The choice that another slot's file states for a slot that the graph leaves open.

@@ -291,6 +291,13 @@ pub trait NodeKind: Send + Sync {
         None
     }
 
+    /// The choice of a slot that the graph leaves open, where it is another than [`SlotSpec::default`] because of what the
+    /// node is made of. It is asked once [`Self::derived_slots`] are known.
+    fn default_slot(&self, slot: &str, node: &NodeContext<'_>) -> Option<&'static str> {
+        let _ = (slot, node);
+        None
+    }
+
     /// Lets go of what it keeps from picture to picture, which costs the next one time alone.
     fn forget(&self) {}
 

@@ -17,6 +17,8 @@ pub struct Limits {
     pub max_resource_bytes: u64,
     /// Whether f32 textures can be sampled linearly.
     pub float32_filterable: bool,
+    /// Whether f32 textures are sampled as fast as those of half floats, which drivers on the processor convert.
+    pub float32_fast: bool,
     /// Whether draw passes can blend into f32 textures.
     pub float32_blendable: bool,
     /// Whether compute shaders can write 3D textures. wgpu 30 binds only the first slice of one on GL.
@@ -35,6 +37,7 @@ impl Default for Limits {
             max_buffer_bytes: 256 << 20,
             max_resource_bytes: 8 << 30,
             float32_filterable: false,
+            float32_fast: false,
             float32_blendable: false,
             storage_3d: true,
             shared_samplers: true,

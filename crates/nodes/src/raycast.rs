@@ -182,6 +182,12 @@ impl NodeKind for Raycast {
         walk::default_of(param, node)
     }
 
+    fn default_slot(&self, slot: &str, node: &NodeContext<'_>) -> Option<&'static str> {
+        let walk = || walk::walk(node, &leaps(node)[1].1);
+        (slot == "gradient_storage" && walk::gains_beside_gradients(node, &walk()))
+            .then_some("rgba32f")
+    }
+
     fn uniforms(&self) -> &[&'static str] {
         &[
             "volume",

@@ -217,24 +217,42 @@ pub(super) fn goes_by_spans(
 
 /// Whether scalars are read from the texture of gradients, which has both: where each is asked for at the same places.
 pub(super) fn reads_beside_gradients(node: &NodeContext<'_>, walk: &str) -> bool {
-    let is = |slot: &str, choice: &str| node.slot(slot) == choice;
     let is_made_so = |writer: NodeContext<'_>| {
         writer.kind_name() == Gradient.name()
             && writer.slot("gradient_storage") == "rgba32f"
             && writer.text("volume_storage") == node.text("volume_storage")
     };
-    // A volume's texture of the user's own may be stored in another way.
-    let is_ours = node.writer("gradient_volume").is_none_or(is_made_so)
-        && node.writer("volume_texture").is_none();
-    // Of other walks not all are known, and others classify at the ends of segments.
-    is_ours
+    node.writer("gradient_volume").is_none_or(is_made_so)
+        && node.slot("gradient_storage") == "rgba32f"
+        && asks_beside_gradients(node, walk)
+}
+
+/// Whether both are asked for at the same places. Of other walks not all are known, and others classify at the ends of
+/// segments; a volume's texture of the user's own may be stored in another way.
+fn asks_beside_gradients(node: &NodeContext<'_>, walk: &str) -> bool {
+    let is = |slot: &str, choice: &str| node.slot(slot) == choice;
+    node.writer("volume_texture").is_none()
         && walk == "pairs"
-        && is("gradient_storage", "rgba32f")
         && is("gradient", "stored")
         && is("technique", "dvr")
         && is("classify", "post")
         && is("light", "phong")
         && is("reconstruct", "trilinear")
+}
+
+/// Most bytes of gradients in single floats where nobody has asked for them: those of 256 voxels a side.
+const MOST_GRADIENTS: u64 = 256 << 20;
+
+/// Whether gradients in single floats, with scalars beside them, are the faster ones, for twice the memory.
+pub(super) fn gains_beside_gradients(node: &NodeContext<'_>, walk: &str) -> bool {
+    let limits = node.limits();
+    let bytes = placement::volume(node, "volume")
+        .map(|volume| 16 * volume.grid().dims.map(u64::from).iter().product::<u64>());
+    limits.float32_filterable
+        && limits.float32_fast
+        && node.writer("gradient_volume").is_none()
+        && bytes.is_ok_and(|bytes| bytes <= MOST_GRADIENTS.min(limits.max_resource_bytes))
+        && asks_beside_gradients(node, walk)
 }
 
 /// Where a walk has what a step emits and lets through, the choice of the slot `steps`: in a table where one transfer
