@@ -22,7 +22,12 @@ fn shadow_sample(ray: Ray, distance: f32) -> Sample {
     return Sample(position, reconstruct_scalar(position));
 }
 
+// World length of a step.
+fn shadow_step_world() -> f32 {
+    return params.shadow_step * volume.voxel;
+}
+
 // World distance from a part's entry to the end of segment number `index`: whole steps, the last one shorter.
 fn shadow_segment_end(ray: Ray, index: u32) -> f32 {
-    return min(f32(index + 1u) * (params.shadow_step * volume.voxel), ray.far - ray.near);
+    return min(f32(index + 1u) * shadow_step_world(), ray.far - ray.near);
 }

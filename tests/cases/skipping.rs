@@ -1,6 +1,7 @@
 //! Leaps over what a technique does not see leave the picture as it is, and take what they promise: fewer samples.
 
 use volgraph::{Change, Findings, Outcome, ParamOverride, Picture, Scene};
+use volgraph_gpu::TexelValues;
 use volgraph_measure::compare_without_flip;
 use volgraph_tests::repository::{COMPARISONS, PARTS_AND_PROJECTIONS, SOLIDS, VOLUMES, graph_file};
 use volgraph_tests::{Stage, adapters, load, start};
@@ -153,6 +154,76 @@ fn whatever_there_is_to_skip_the_picture_is_that_of_the_plain_walk() {
         let difference = difference(&case, &scene, backend);
         assert!(difference <= 1e-6, "{case} on {backend}: {difference:e}");
     }
+}
+
+/// Grids of light are what they are without leaps: matter, isosurfaces beside it, parts cut off, steps of all lengths.
+#[test]
+fn what_rays_towards_lights_leap_over_takes_none_of_them() {
+    let mut chance = Chance(11);
+    let mut shadows = 0;
+    for number in 0..12 {
+        let dims = [0; 3].map(|_| chance.of(&[7_u32, 20, 33]));
+        let [x, y, z] = dims;
+        let technique = chance.of(&["dvr", "isosurface_dvr"]);
+        let traverse = chance.of(&["skip", "adaptive"]);
+        let clip = chance.of(&["none", "sphere"]);
+        let classify = chance.of(&["post", "preintegrated_2d"]);
+        let shadow_step = 0.2 + 2.0 * chance.next().powi(2);
+        let brick = chance.of(&[1, 2, 3, 8]);
+        let transfer = chance.of(&[
+            "(points: [(at: 0.2, color: (1, 0.5, 0), opacity: 0), (at: 1, color: (0, 0.5, 1), opacity: 0.5)])",
+            "(points: [(at: 0.3, color: (1, 1, 0), opacity: 0), (at: 0.3, color: (1, 0, 0), opacity: 0.7)])",
+        ]);
+        let stage = Stage::new()
+            .with_floats("v", dims, blobs(&mut chance, dims))
+            .with("transfer.ron", transfer)
+            .with(
+                "graph.ron",
+                format!(
+                    r#"(
+    sources: {{
+        "v": volume(path: "v_{x}x{y}x{z}_float32.raw", spacing: (1, 1.5, 0.7)),
+        "t": transfer(path: "transfer.ron"),
+    }},
+    camera: orbit(azimuth: 20, elevation: 30),
+    nodes: {{
+        "box":   (kind: "proxy_box", in: {{ "volume": "v" }}),
+        "image": (kind: "raycast", in: {{ "volume": "v", "transfer": "t", "rays": "box" }},
+                  slots: {{ "technique": "{technique}", "classify": "{classify}", "traverse": "{traverse}",
+                           "light": "phong", "shadow": "light_volume", "clip": "{clip}" }},
+                  params: {{ "shadow_step": {shadow_step}, "brick_size": {brick}, "light_resolution": 24, "lights": 2,
+                            "light_1": [0.3, -0.8, 1.0, 0.0], "light_2": [2.0, 1.0, -3.0, 1.0] }}),
+    }},
+    outputs: {{ "color": "image.color", "light": "image.light_volume.light" }},
+)"#
+                ),
+            );
+        let scene = load(&stage.path().join("graph.ron"), &[]).unwrap();
+        let backends = adapters();
+        let backend = &backends[number % backends.len()];
+        let [leapt, plain] = [traverse, "uniform"].map(|traverse| {
+            let sets = sets(&[&format!("image.slots.traverse={traverse}")]);
+            let mut session = start(scene.with_sets(&sets).unwrap(), backend, SIZE).unwrap();
+            session.draw().unwrap();
+            let leaps = session.plan().graph.nodes.iter().any(|node| {
+                let program = node.program.as_ref();
+                let used = program.and_then(|it| it.module.linked.slots_used.get("shadow_leap"));
+                used.is_some_and(|file| file.ends_with("bricks.wgsl"))
+            });
+            assert_eq!(leaps, traverse != "uniform", "{number}: {traverse}");
+            let TexelValues::Bytes(light) = session.texels("light").unwrap().values else {
+                panic!("{number}: a grid of half floats");
+            };
+            light
+        });
+        let case = format!("{number}: {technique} {classify} {traverse} {clip} of {dims:?}");
+        assert!(leapt == plain, "{case} on {backend}");
+        // Half floats that are not negative rise with their bits.
+        let shares = plain.chunks_exact(2);
+        let mut shares = shares.map(|share| u16::from_le_bytes([share[0], share[1]]));
+        shadows += usize::from(shares.any(|share| share < 0x3b00));
+    }
+    assert!(shadows >= 8, "{shadows} of 12 have shadows");
 }
 
 /// A ball in the middle of 64³, of a quarter of the box.

@@ -8,6 +8,7 @@
 //! With a light at the eye the shader reads the camera, and the grid is made again for each pose; without one the camera
 //! is no part of its fingerprint.
 
+use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use glam::{DMat4, DVec3};
@@ -92,6 +93,11 @@ impl NodeKind for LightVolume {
         };
         let mut fixed_slots = crate::raycast::walk_slots(node);
         fixed_slots.insert("eye_light".to_owned(), eye_light.to_owned());
+        fixed_slots.extend(crate::raycast::leaps(node));
+        fixed_slots.insert(
+            "shadow_leap".to_owned(),
+            leap(&fixed_slots, node).to_owned(),
+        );
         Some(ProgramSpec {
             root: "node/light_volume.wgsl",
             fixed_slots,
@@ -125,6 +131,18 @@ impl NodeKind for LightVolume {
             workgroups: [width.div_ceil(8), height.div_ceil(8), 1],
             constants: Vec::new(),
         }])
+    }
+}
+
+/// How rays towards lights leap over what takes nothing of them, the choice of the slot `shadow_leap`: through the bricks of
+/// which the eye sees nothing, where that is by what takes light as well.
+fn leap(slots: &BTreeMap<String, String>, node: &NodeContext<'_>) -> &'static str {
+    let is_of_matter = ["transfer", "isovalue_transfer"].contains(&node.slot("emptiness"));
+    let is_map = ["distance_map", "stride_map"].contains(&slots["look"].as_str());
+    if is_of_matter && is_map && slots["leap"] == "bricks" {
+        "bricks"
+    } else {
+        "none"
     }
 }
 

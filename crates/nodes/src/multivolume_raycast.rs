@@ -289,6 +289,7 @@ impl NodeKind for MultivolumeRaycast {
             ("gradient_storage", "rgba16f"),
             ("labels", "none"),
             ("shadow", "none"),
+            ("shadow_leap", "none"),
             ("environment", "none"),
             ("material", "uniform"),
         ]

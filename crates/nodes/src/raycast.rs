@@ -80,7 +80,7 @@ const DERIVED: &[DerivedSlot] = &[
 ];
 
 /// How the walk leaps over what the technique does not see: the choices of its slots `leap` and `look`.
-fn leaps(node: &NodeContext<'_>) -> [(String, String); 2] {
+pub(crate) fn leaps(node: &NodeContext<'_>) -> [(String, String); 2] {
     let (leap, look) = match looks_at(node) {
         Some(look) => ("bricks", look),
         // The look is for whoever checks the shaders of `leap` alone.

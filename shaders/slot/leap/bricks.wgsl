@@ -2,6 +2,7 @@
 // (Zuiderveld et al. 1992): the ray goes through all that are not seen in one leap. So it does through those that are:
 // dense volumes cost few looks.
 #import "lib/brick_leap.wgsl"
+#import "lib/step.wgsl"
 #import slot "look"
 
 fn leap_from(ray: Ray, index: u32, look: u32) -> Leap {
@@ -12,9 +13,9 @@ fn leap_from(ray: Ray, index: u32, look: u32) -> Leap {
     var is_searching = f32(at) * step_world() < length;
     // One way out: see `walk/pairs.wgsl`.
     for (var turn = 0u; turn < BRICK_LEAP_TURNS && is_searching; turn++) {
-        let place = brick_leap_place(ray, at);
+        let place = brick_leap_place(ray, at, step_world());
         let look = look_at(bricks_at(place));
-        end = brick_leap_through(ray, at, place, look.low, look.high);
+        end = brick_leap_through(ray, at, step_world(), place, look.low, look.high);
         power = look.power;
         is_searching = !look.is_seen && end != at && f32(end) * step_world() < length;
         at = select(end, at, look.is_seen);

@@ -45,6 +45,8 @@ pub(crate) fn walk_slots(node: &NodeContext<'_>) -> BTreeMap<String, String> {
         // A walk in pairs knows of steps.
         ("steps".to_owned(), "computed".to_owned()),
         light_volume::places_slot(node),
+        // Rays from single points go apart from each other: looks cost them as much as they gain.
+        ("shadow_leap".to_owned(), "none".to_owned()),
     ]);
     slots.extend(placement::texel_slots(node));
     slots

@@ -247,6 +247,7 @@ fn one_mistake_in_a_real_shader_is_one_finding() {
         ("walk", "pairs"),
         ("steps", "table"),
         ("light_places", "anywhere"),
+        ("shadow_leap", "none"),
         ("technique", "dvr"),
         ("classify", "preintegrated_2d"),
         ("gradient", "stored"),

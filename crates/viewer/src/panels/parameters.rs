@@ -8,7 +8,7 @@ use volgraph_shader::{DiskFiles, ParamSpec, ParamType, ParamValue, SnapshotFiles
 use crate::worker::{Request, Told};
 
 /// Slots that follow from other choices: nobody picks them.
-const DERIVED: [&str; 17] = [
+const DERIVED: [&str; 18] = [
     "behind",
     "clip_volume_filter",
     "emptiness",
@@ -19,6 +19,7 @@ const DERIVED: [&str; 17] = [
     "look",
     "parts",
     "pixels",
+    "shadow_leap",
     "steps",
     "table_filter",
     "transfer_reach",
