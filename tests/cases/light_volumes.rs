@@ -404,6 +404,70 @@ fn the_grid_is_made_again_when_what_it_depends_on_changes_and_no_sooner() {
     }
 }
 
+/// Rays towards lights leap by what the transfer function shows alone: how the eye's rays step is nothing to them.
+#[test]
+fn the_grid_stays_where_only_the_walk_of_the_eye_changes() {
+    let clear_below = "(domain: data(from: 0, to: 16), points: [(at: 9, color: (1, 1, 1), opacity: 0), (at: 16, color: (1, 1, 1), opacity: 0.3)])";
+    let stage = ramp().with("half.ron", clear_below).with(
+        "graph.ron",
+        r#"(
+    sources: { "v": volume(path: "v_17x17x17_float32.raw"), "t": transfer(path: "half.ron") },
+    camera: orbit(azimuth: 20, elevation: 30),
+    nodes: {
+        "box":   (kind: "proxy_box", in: { "volume": "v" }),
+        "image": (kind: "raycast", in: { "volume": "v", "transfer": "t", "rays": "box" },
+                  slots: { "classify": "post", "light": "phong", "shadow": "light_volume" },
+                  params: { "light_1": [0.5, 0.3, 1, 0] }),
+    },
+    outputs: { "color": "image.color" },
+)"#,
+    );
+    for backend in adapters() {
+        for (technique, traverse, sets) in [
+            ("dvr", "skip", &["image.step=0.5"][..]),
+            (
+                "dvr",
+                "adaptive",
+                &["image.step=0.5", "image.step_tolerance=0.02"],
+            ),
+            (
+                "isosurface_dvr",
+                "skip",
+                &["image.step=0.5", "image.isovalue=7"],
+            ),
+            (
+                "isosurface_dvr",
+                "adaptive",
+                &["image.step=0.5", "image.isovalue=7"],
+            ),
+        ] {
+            let slots = [
+                format!("image.slots.technique={technique}"),
+                format!("image.slots.traverse={traverse}"),
+            ];
+            let slots: Vec<&str> = slots.iter().map(String::as_str).collect();
+            let mut session = stage.open("graph.ron", &slots, &backend, [24, 24]).unwrap();
+            let first = session.draw().unwrap();
+            assert!(
+                first.ran().contains(&"image.light_volume"),
+                "{:?}",
+                first.ran()
+            );
+            for set in sets {
+                let change = Change::Set(vec![ParamOverride::parse(set).unwrap()]);
+                let Outcome::Drawn(drawn) = session.apply(&change).unwrap() else {
+                    panic!("{technique} {traverse} {set}: drawn");
+                };
+                let ran = drawn.report.frame.ran();
+                assert!(
+                    !ran.contains(&"image.light_volume"),
+                    "{backend}, {technique} {traverse} {set}: {ran:?}"
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn a_light_at_the_eye_shines_from_there() {
     // Perspective from inside of the box: what is behind the eye takes no light.

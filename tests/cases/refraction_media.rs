@@ -204,8 +204,11 @@ fn without_an_index_the_picture_is_that_of_straight_rays() {
             for backend in adapters() {
                 for form in STAGES {
                     let form = format!("image.stage={form}");
-                    let straight = render(&plain, &[&form], &backend, [40, 40]).0;
-                    let sets = [form.as_str(), "image.slots.technique=refraction"];
+                    // Only where both are read at once would straight rays choose others.
+                    let gradients = "image.slots.gradient_storage=rgba16f";
+                    let straight = render(&plain, &[&form, gradients], &backend, [40, 40]).0;
+                    let bending = "image.slots.technique=refraction";
+                    let sets = [form.as_str(), bending, gradients];
                     let refracted = render(&bent, &sets, &backend, [40, 40]).0;
                     let difference = |a: &[f32], b: &[f32]| {
                         a.iter()

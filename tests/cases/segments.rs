@@ -159,6 +159,37 @@ fn two_materials_meet_between_voxels_whatever_the_step() {
     }
 }
 
+/// A label's own transfer function counts where the node's own shows nothing at all.
+#[test]
+fn what_a_label_alone_absorbs_is_seen_however_the_walk_skips() {
+    let stage = stage(|x, _, _| u32::from(x > 3), BLUE_IS_1)
+        .with("own.ron", transfer("(1, 0, 0)", 0.0))
+        .with(
+            "graph.ron",
+            graph("(1.0, 1.0, 1.0)", CAMERAS[0], "", r#""step": 0.5"#),
+        );
+    let span = (DVec3::splat(-0.5), DVec3::splat(7.5));
+    let truth = |from: DVec3, to: DVec3| {
+        let [a, b] = [from.x - 3.5, to.x - 3.5];
+        let share = if (a > 0.0) == (b > 0.0) {
+            f64::from(u8::from(a > 0.0))
+        } else {
+            a.max(b) / (a - b).abs()
+        };
+        behind_each_other(&[(BLUE.0, BLUE.1, from.distance(to) * share)])
+    };
+    for backend in adapters() {
+        for traverse in ["uniform", "skip", "adaptive"] {
+            let set = format!("image.slots.traverse={traverse}");
+            let (error, met) = worst(&render(&stage, &[&set], &backend, [48, 40]), span, truth);
+            assert!(
+                error <= 1e-4 && met > 100,
+                "{backend} {traverse}: {error}, {met}"
+            );
+        }
+    }
+}
+
 #[test]
 fn an_oblique_boundary_is_where_memberships_are_equal() {
     // Labels of the half-space x + y > 7: on the lattice memberships are equal on that plane, inside of the grid's

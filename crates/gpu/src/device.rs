@@ -149,7 +149,7 @@ impl Gpu {
         while self.lost().is_none() && start.elapsed() < LONGEST_END {
             let _ = self.device.poll(wgpu::PollType::Wait {
                 submission_index: None,
-                timeout: Some(LONGEST_END),
+                timeout: Some(Duration::from_millis(100)),
             });
         }
     }

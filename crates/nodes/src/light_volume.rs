@@ -8,7 +8,6 @@
 //! With a light at the eye the shader reads the camera, and the grid is made again for each pose; without one the camera
 //! is no part of its fingerprint.
 
-use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use glam::{DMat4, DVec3};
@@ -70,7 +69,10 @@ impl NodeKind for LightVolume {
 
     fn params(&self) -> Vec<ParamSpec> {
         let params = Raycast.params().into_iter();
-        params.filter(|spec| spec.name != "stage").collect()
+        // Those of the eye's own walk are nothing to light.
+        params
+            .filter(|spec| !["stage", "step_tolerance"].contains(&spec.name.as_str()))
+            .collect()
     }
 
     fn slots(&self) -> &[SlotSpec] {
@@ -94,10 +96,11 @@ impl NodeKind for LightVolume {
         let mut fixed_slots = crate::raycast::walk_slots(node);
         fixed_slots.insert("eye_light".to_owned(), eye_light.to_owned());
         fixed_slots.extend(crate::raycast::leaps(node));
-        fixed_slots.insert(
-            "shadow_leap".to_owned(),
-            leap(&fixed_slots, node).to_owned(),
-        );
+        if leaps(node) {
+            // One that does not depend on the eye's steps: where those change, light does not.
+            fixed_slots.insert("look".to_owned(), "distance_map".to_owned());
+            fixed_slots.insert("shadow_leap".to_owned(), "bricks".to_owned());
+        }
         Some(ProgramSpec {
             root: "node/light_volume.wgsl",
             fixed_slots,
@@ -134,16 +137,17 @@ impl NodeKind for LightVolume {
     }
 }
 
-/// How rays towards lights leap over what takes nothing of them, the choice of the slot `shadow_leap`: through the bricks of
-/// which the eye sees nothing, where that is by what takes light as well.
-fn leap(slots: &BTreeMap<String, String>, node: &NodeContext<'_>) -> &'static str {
-    let is_of_matter = ["transfer", "isovalue_transfer"].contains(&node.slot("emptiness"));
-    let is_map = ["distance_map", "stride_map"].contains(&slots["look"].as_str());
-    if is_of_matter && is_map && slots["leap"] == "bricks" {
-        "bricks"
-    } else {
-        "none"
-    }
+/// Whether rays towards lights leap through the bricks of which the eye sees nothing: where that is by the transfer function
+/// alone, and whatever they look up is made of it.
+fn leaps(node: &NodeContext<'_>) -> bool {
+    let looks = crate::raycast::looks_at(node);
+    let is_own = |map: NodeContext<'_>| {
+        map.slot("emptiness") == "transfer" && crate::raycast::is_of_own_transfer(node, &map)
+    };
+    node.slot("emptiness") == "transfer"
+        && looks.is_some_and(|look| ["distance_map", "stride_map"].contains(&look.as_str()))
+        && node.writer("distance_map").is_none_or(is_own)
+        && crate::raycast::tables_are_own(node)
 }
 
 /// Whether a light that shines is at the eye. What is not known stands for one.

@@ -18,6 +18,7 @@ use volgraph_shader::{ParamSpec, ParamValue, UniformValue};
 use volgraph_volume::Grid;
 use wgpu_types::TextureFormat;
 
+pub(crate) use self::heed::{is_of_own_transfer, tables_are_own};
 use self::ports::{INPUTS, LAYERS, OUTPUTS, TRACE_SIZE};
 use self::slots::SLOTS;
 pub use self::tables::data_value;
@@ -93,7 +94,7 @@ pub(crate) fn leaps(node: &NodeContext<'_>) -> [(String, String); 2] {
 }
 
 /// What the walk looks at to leap, the choice of the slot `look`; none where it takes every step.
-fn looks_at(node: &NodeContext<'_>) -> Option<String> {
+pub(crate) fn looks_at(node: &NodeContext<'_>) -> Option<String> {
     // Leaps count in whole steps: walks of a user's own may end their segments anywhere.
     if placement::is_in_bricks(node) {
         let takes_whole_steps = ["uniform", "skip", "adaptive"].contains(&node.slot("traverse"));
@@ -112,10 +113,12 @@ fn looks_at(node: &NodeContext<'_>) -> Option<String> {
     }
     let look = match emptiness {
         "maximum" | "minimum" => emptiness,
-        // Labels may have steps of their own; the nearest voxel's scalar has no derivatives.
+        // Labels may have steps of their own, and transfer functions, of which there is one here; the nearest voxel's scalar has no
+        // derivatives.
         "transfer"
             if node.slot("traverse") == "adaptive"
                 && !has_labels
+                && transfer_table::transfers(node).is_ok_and(|them| them.len() == 1)
                 && node.slot("reconstruct") != "nearest" =>
         {
             "stride_map"
@@ -183,9 +186,7 @@ impl NodeKind for Raycast {
     }
 
     fn default_slot(&self, slot: &str, node: &NodeContext<'_>) -> Option<&'static str> {
-        let walk = || walk::walk(node, &leaps(node)[1].1);
-        (slot == "gradient_storage" && walk::gains_beside_gradients(node, &walk()))
-            .then_some("rgba32f")
+        (slot == "gradient_storage" && walk::gains_beside_gradients(node)).then_some("rgba32f")
     }
 
     fn uniforms(&self) -> &[&'static str] {

@@ -6,7 +6,7 @@
 
 // So many segments are walked between two looks.
 fn shadow_leap_least() -> u32 {
-    return 8u;
+    return 16u;
 }
 
 // The number of the next segment that may matter to a walk that has come to `index`, in steps of a world length.

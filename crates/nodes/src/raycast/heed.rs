@@ -45,22 +45,26 @@ pub(super) fn heed(node: &NodeContext<'_>, walk: &str, leaps: bool) -> String {
     heeds.to_owned()
 }
 
+/// Whether another node is made of the same transfer function as this one.
+pub(crate) fn is_of_own_transfer(node: &NodeContext<'_>, other: &NodeContext<'_>) -> bool {
+    let [ours, theirs] = [node, other].map(|node| transfer_table::transfer(node, "transfer").ok());
+    ours.zip(theirs)
+        .is_some_and(|(ours, theirs)| Arc::ptr_eq(&ours, &theirs))
+}
+
+/// Whether the tables that classify are made of the node's own transfer function; those of a user's own may be of others.
+pub(crate) fn tables_are_own(node: &NodeContext<'_>) -> bool {
+    let mut writers = TABLES.iter().filter_map(|(port, _)| node.writer(port));
+    writers.all(|writer| is_of_own_transfer(node, &writer))
+}
+
 /// Where a segment that absorbs shows that it does.
 fn absorbing(node: &NodeContext<'_>, walk: &str) -> &'static str {
     // A walk in segments looks at bricks behind each that is heeded: of light that is a walk itself that is the least.
     let pays = node.slot("light") != "unlit"
         && (walk == "pairs" || !["none", "light_volume"].contains(&node.slot("shadow")));
-    let ours = transfer_table::transfer(node, "transfer");
-    let is_ours = |writer: &NodeContext<'_>| {
-        let theirs = transfer_table::transfer(writer, "transfer");
-        theirs
-            .ok()
-            .zip(ours.as_ref().ok())
-            .is_some_and(|(theirs, ours)| Arc::ptr_eq(&theirs, ours))
-    };
-    let writers = TABLES.iter().filter_map(|(port, _)| node.writer(port));
     // Labels may have transfer functions of their own, and so may tables of the user's own.
-    if !pays || segmentation::has_labels(node) || !writers.into_iter().all(|it| is_ours(&it)) {
+    if !pays || segmentation::has_labels(node) || !tables_are_own(node) {
         return "all";
     }
     // Software drivers end loops after so many turns, and a hunt takes up to twice as many as a walk.

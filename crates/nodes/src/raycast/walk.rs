@@ -217,24 +217,25 @@ pub(super) fn goes_by_spans(
         && node.slot("emptiness") == "transfer"
 }
 
-/// Whether scalars are read from the texture of gradients, which has both: where each is asked for at the same places.
+/// Whether scalars are read from the texture of gradients, which has both: where each is asked for at the same places. Of other
+/// walks not all are known.
 pub(super) fn reads_beside_gradients(node: &NodeContext<'_>, walk: &str) -> bool {
     let is_made_so = |writer: NodeContext<'_>| {
         writer.kind_name() == Gradient.name()
             && writer.slot("gradient_storage") == "rgba32f"
             && writer.text("volume_storage") == node.text("volume_storage")
     };
-    node.writer("gradient_volume").is_none_or(is_made_so)
+    walk == "pairs"
+        && node.writer("gradient_volume").is_none_or(is_made_so)
         && node.slot("gradient_storage") == "rgba32f"
-        && asks_beside_gradients(node, walk)
+        && asks_beside_gradients(node)
 }
 
-/// Whether both are asked for at the same places. Of other walks not all are known, and others classify at the ends of
-/// segments; a volume's texture of the user's own may be stored in another way.
-fn asks_beside_gradients(node: &NodeContext<'_>, walk: &str) -> bool {
+/// Whether both are asked for at the same places: others classify at the ends of segments. A volume's texture of the user's
+/// own may be stored in another way.
+fn asks_beside_gradients(node: &NodeContext<'_>) -> bool {
     let is = |slot: &str, choice: &str| node.slot(slot) == choice;
     node.writer("volume_texture").is_none()
-        && walk == "pairs"
         && is("gradient", "stored")
         && is("technique", "dvr")
         && is("classify", "post")
@@ -245,16 +246,18 @@ fn asks_beside_gradients(node: &NodeContext<'_>, walk: &str) -> bool {
 /// Most bytes of gradients in single floats where nobody has asked for them: those of 256 voxels a side.
 const MOST_GRADIENTS: u64 = 256 << 20;
 
-/// Whether gradients in single floats, with scalars beside them, are the faster ones, for twice the memory.
-pub(super) fn gains_beside_gradients(node: &NodeContext<'_>, walk: &str) -> bool {
+/// Whether gradients in single floats, with scalars beside them, are the faster ones, for twice the memory. What is asked of
+/// the same picture beside it (how its walk went, an estimate of its error) does not change how they are stored.
+pub(super) fn gains_beside_gradients(node: &NodeContext<'_>) -> bool {
     let limits = node.limits();
     let bytes = placement::volume(node, "volume")
         .map(|volume| 16 * volume.grid().dims.map(u64::from).iter().product::<u64>());
     limits.float32_filterable
         && limits.float32_fast
+        && node.slot("walk") == "pairs"
         && node.writer("gradient_volume").is_none()
         && bytes.is_ok_and(|bytes| bytes <= MOST_GRADIENTS.min(limits.max_resource_bytes))
-        && asks_beside_gradients(node, walk)
+        && asks_beside_gradients(node)
 }
 
 /// Where a walk has what a step emits and lets through, the choice of the slot `steps`: in a table where one transfer
