@@ -246,15 +246,14 @@ fn asks_beside_gradients(node: &NodeContext<'_>) -> bool {
 /// Most bytes of gradients in single floats where nobody has asked for them: those of 256 voxels a side.
 const MOST_GRADIENTS: u64 = 256 << 20;
 
-/// Whether gradients in single floats, with scalars beside them, are the faster ones, for twice the memory. What is asked of
-/// the same picture beside it (how its walk went, an estimate of its error) does not change how they are stored.
+/// Whether gradients in single floats, with scalars beside them, are the faster ones, for twice the memory. How the
+/// walk goes, which is another one where layers are asked for, does not change how they are stored.
 pub(super) fn gains_beside_gradients(node: &NodeContext<'_>) -> bool {
     let limits = node.limits();
     let bytes = placement::volume(node, "volume")
         .map(|volume| 16 * volume.grid().dims.map(u64::from).iter().product::<u64>());
     limits.float32_filterable
         && limits.float32_fast
-        && node.slot("walk") == "pairs"
         && node.writer("gradient_volume").is_none()
         && bytes.is_ok_and(|bytes| bytes <= MOST_GRADIENTS.min(limits.max_resource_bytes))
         && asks_beside_gradients(node)
